@@ -1,0 +1,49 @@
+// The seam between the loop and a motor with an encoder.
+#pragma once
+
+#include <cstdint>
+
+namespace mwidth::device {
+
+enum class AxisKind : uint8_t { kLinear, kRotary };
+
+/// Fixed properties of a drive, known before the loop starts. Linear: m, N; rotary: rad, N m.
+struct DriveInfo {
+  /// Position of one encoder count; above 0.
+  double position_quantum = 0;
+  /// Force of one force count; above 0.
+  double force_quantum = 0;
+  /// True where no motor can move: a simulation.
+  bool simulated = false;
+};
+
+/// What a drive answers to a read.
+struct Reading {
+  /// False when the drive did not answer with a fresh position; then position_counts means nothing.
+  bool ok = false;
+  int64_t position_counts = 0;
+};
+
+/// One motor with an encoder. All functions are called by the loop's thread and are Rt, except the constructors of
+/// the implementations, which throw std::runtime_error with what to do when the drive cannot be reached.
+class Drive {
+ public:
+  Drive() = default;
+  Drive(const Drive&) = delete;
+  Drive& operator=(const Drive&) = delete;
+  virtual ~Drive() = default;
+
+  virtual DriveInfo Info() const noexcept = 0;
+  /// Lets the motor follow force commands, at zero force. False when the drive refuses. Rt.
+  virtual bool Enable() noexcept = 0;
+  /// Takes the force away. Always succeeds as far as the caller can do anything about it. Rt.
+  virtual void Disable() noexcept = 0;
+  /// Samples the position at the start of `tick`. Ticks rise by one, or by more where the loop missed deadlines;
+  /// the force last written has acted since. Rt.
+  virtual Reading Read(uint64_t tick) noexcept = 0;
+  /// Commands a force until the next write: counts of the paper's F_a, which acts against the positive direction.
+  /// False when the drive did not take it. Rt.
+  virtual bool Write(int32_t force_counts) noexcept = 0;
+};
+
+}  // namespace mwidth::device

@@ -1,0 +1,100 @@
+// What crosses between the loop and the rest of the server: settings in, status and samples out.
+#pragma once
+
+#include <cstdint>
+
+#include "server/exchange/mailbox.h"
+#include "server/exchange/ring.h"
+
+namespace mwidth::exchange {
+
+enum class State : uint8_t { kIdle, kReady, kRendering, kFault };
+
+enum class Fault : uint8_t {
+  kNone,
+  kEmergencyStop,
+  kDriveSilent,
+  kNotFinite,
+  kPositionLimit,
+  kVelocityLimit,
+  kOverrun,
+  kDriveRefused,
+};
+
+/// What the gate wants of the loop. Posted whole; the newest wins, so anything that must not be missed is a counter
+/// or a number that only grows, never an edge.
+struct Settings {
+  /// Grows by one with every post; the loop answers with LoopStatus::settings_sequence.
+  uint64_t sequence = 0;
+  /// The loop renders while this is true, and begins only when render_epoch has grown since it last began: a fault
+  /// or a lost lease ends rendering, and only a new StartRendering begins it again.
+  bool rendering = false;
+  uint64_t render_epoch = 0;
+  /// Admitted virtual mass, and the time of the ramp to it.
+  double mass = 0;
+  double ramp_s = 0.2;
+  /// Dead man: past this time of the axis's clock the loop ramps the mass to zero and goes to READY.
+  int64_t lease_deadline_ns = 0;
+  /// Grows with every emergency stop.
+  uint64_t emergency_stops = 0;
+  /// Faults up to this number are cleared; a later one stays latched.
+  uint64_t cleared_fault_number = 0;
+};
+
+/// The fault that is latched, and its figures.
+struct FaultRecord {
+  Fault fault = Fault::kNone;
+  /// Counts the faults since the start.
+  uint64_t number = 0;
+  uint64_t tick = 0;
+  /// What was seen, and the limit that it was held against.
+  double value = 0;
+  double limit = 0;
+};
+
+/// What the loop last did; posted every tick.
+struct LoopStatus {
+  uint64_t settings_sequence = 0;
+  uint64_t tick = 0;
+  int64_t monotonic_ns = 0;
+  State state = State::kIdle;
+  FaultRecord fault;
+  /// The render_epoch that last began, and how often rendering has ended for any reason.
+  uint64_t render_epoch = 0;
+  uint64_t renderings_ended = 0;
+  double position = 0;
+  double velocity = 0;
+  double force = 0;
+  double mass = 0;
+  double target_mass = 0;
+  uint64_t missed_ticks = 0;
+};
+
+/// One tick. Force is the paper's F_a (eq. 5): it acts on the device against the positive direction.
+struct Sample {
+  uint64_t tick = 0;
+  int64_t monotonic_ns = 0;
+  int64_t position_counts = 0;
+  int32_t force_counts = 0;
+  State state = State::kIdle;
+  bool saturated = false;
+  /// Ticks skipped since the start, this one's predecessors included.
+  uint64_t missed_ticks = 0;
+  double position = 0;
+  double velocity = 0;
+  double acceleration = 0;
+  double force = 0;
+  double mass = 0;
+};
+
+/// About 4 s of samples at 1 kHz: what the record may lag behind before samples are dropped, and counted.
+inline constexpr std::size_t kSampleRingCapacity = 4096;
+
+/// All that one axis's loop shares with the rest of the server.
+struct Crossing {
+  Mailbox<Settings> settings;
+  Mailbox<LoopStatus> status;
+  Ring<Sample, kSampleRingCapacity> samples;
+};
+
+}  // namespace mwidth::exchange

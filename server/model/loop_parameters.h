@@ -1,0 +1,47 @@
+// The parameters of a rendering loop, and what is allowed for each.
+//
+//   symbol (paper)   field             meaning
+//   m                device_mass       inertia of the device; kg or kg m^2
+//   b                device_damping    viscous damping of the device; N s/m or N m s/rad
+//   m_h              hand_mass         inertia of the hand, rigidly added to m (0 in the paper)
+//   b_h              hand_damping      damping between hand and device
+//   k_h              hand_stiffness    stiffness between hand and device; N/m or N m/rad
+//   T                period_s          sample period
+//   f0 = w0/2 pi     cutoff_hz         cut-off of the first-order low-pass filter, eq. 4
+//   d T + r T        delay_s           loop delay beyond the zero-order hold (0 in the paper)
+#pragma once
+
+#include <optional>
+#include <string>
+
+namespace mwidth::model {
+
+struct LoopParameters {
+  double device_mass = 0;
+  double device_damping = 0;
+  double hand_mass = 0;
+  double hand_damping = 0;
+  double hand_stiffness = 0;
+  double period_s = 0;
+  double cutoff_hz = 0;
+  double delay_s = 0;
+};
+
+/// A parameter that is not finite or out of range.
+struct ParameterError {
+  /// Field of LoopParameters, or another argument's name.
+  std::string parameter;
+  double value = 0;
+  /// For a person, such as "0 to 3 periods (0.003 s)".
+  std::string allowed;
+
+  /// One sentence with all three.
+  std::string Message() const;
+};
+
+/// The first parameter that the model does not support, if any: device_mass 1e-6..1e4; device_damping, hand_mass,
+/// hand_damping 0..1e4; hand_stiffness 0..1e6; period_s 1e-5..1e-2; cutoff_hz above 0, at most 0.5/period_s;
+/// delay_s 0..3 period_s.
+std::optional<ParameterError> Validate(const LoopParameters& loop);
+
+}  // namespace mwidth::model
