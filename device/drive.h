@@ -5,8 +5,6 @@
 
 namespace mwidth::device {
 
-enum class AxisKind : uint8_t { kLinear, kRotary };
-
 /// Fixed properties of a drive, known before the loop starts. Linear: m, N; rotary: rad, N m.
 struct DriveInfo {
   /// Position of one encoder count; above 0.
