@@ -1,0 +1,33 @@
+// What an axis is, as far as it never changes while the server runs.
+#pragma once
+
+#include <string>
+
+#include "server/model/axis_kind.h"
+#include "server/model/loop_parameters.h"
+
+namespace mwidth::gate {
+
+/// Units are those of `kind`: kg, m, N or kg m^2, rad, N m.
+struct AxisDescription {
+  std::string name;
+  model::AxisKind kind = model::AxisKind::kLinear;
+  /// The loop that runs; model::Validate accepts it.
+  model::LoopParameters loop;
+  /// Bounds on any virtual mass, edges included, whatever the stability model says; they hold 0 between them.
+  double mass_min = 0;
+  double mass_max = 0;
+  /// The commanded force never exceeds this magnitude.
+  double force_limit = 0;
+  /// 0 or more; what an admitted mass keeps from the edge of the M-width.
+  double required_gain_margin_db = 0;
+  bool simulated = false;
+  /// Whether the loop has real-time scheduling and, if not, why and how to change it.
+  bool realtime = false;
+  std::string realtime_message;
+  /// Why this axis must not render, with what to do about it; empty where it may. A real drive without
+  /// real-time scheduling is one reason.
+  std::string rendering_blocked_reason;
+};
+
+}  // namespace mwidth::gate

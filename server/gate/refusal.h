@@ -1,0 +1,73 @@
+// How the gate says no: a code for programs, a sentence for people.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+
+#include "server/gate/stability_report.h"
+
+namespace mwidth::gate {
+
+/// The kind of a refusal: what a caller can do about it. Named after the gRPC codes that they become.
+enum class RefusalCode : uint8_t {
+  kInvalidArgument,     // ask for something else
+  kFailedPrecondition,  // change the state first
+  kAborted,             // start over: somebody else took control
+  kNotFound,            // no such axis
+  kPermissionDenied,    // another role
+  kResourceExhausted,   // fewer or smaller requests
+  kUnavailable,         // the loop does not answer
+};
+
+// Reasons, as programs read them. Part of the API: never renamed.
+inline constexpr char kInvalidNumber[] = "INVALID_NUMBER";
+inline constexpr char kInvalidText[] = "INVALID_TEXT";
+inline constexpr char kMassLimit[] = "MASS_LIMIT";
+inline constexpr char kUnstableMass[] = "UNSTABLE_MASS";
+inline constexpr char kNoLease[] = "NO_LEASE";
+inline constexpr char kLeaseLost[] = "LEASE_LOST";
+inline constexpr char kControlHeld[] = "CONTROL_HELD";
+inline constexpr char kWrongState[] = "WRONG_STATE";
+inline constexpr char kRenderingBlocked[] = "RENDERING_BLOCKED";
+inline constexpr char kLoopSilent[] = "LOOP_SILENT";
+inline constexpr char kUnknownAxis[] = "UNKNOWN_AXIS";
+inline constexpr char kAmbiguousAxis[] = "AMBIGUOUS_AXIS";
+inline constexpr char kTooManyStreams[] = "TOO_MANY_STREAMS";
+
+/// A request that was not granted; nothing has changed unless the message says so.
+struct Refusal {
+  RefusalCode code = RefusalCode::kFailedPrecondition;
+  /// One of the constants above.
+  std::string reason;
+  /// What is wrong and what to do next, for a person.
+  std::string message;
+  /// The figures of the message, for a program.
+  std::map<std::string, std::string> metadata{};
+  /// With UNSTABLE_MASS.
+  std::optional<StabilityReport> stability{};
+};
+
+/// A value, or the refusal in its place. (std::expected is C++23.)
+template <typename T>
+class Result {
+ public:
+  Result(T value) : content_(std::in_place_index<0>, std::move(value)) {}            // NOLINT(*-explicit-*)
+  Result(Refusal refusal) : content_(std::in_place_index<1>, std::move(refusal)) {}  // NOLINT(*-explicit-*)
+
+  bool ok() const { return content_.index() == 0; }
+  /// Precondition: ok(); throws std::bad_variant_access otherwise.
+  const T& value() const { return std::get<0>(content_); }
+  const T& operator*() const { return value(); }
+  const T* operator->() const { return &value(); }
+  /// Precondition: !ok(); throws std::bad_variant_access otherwise.
+  const Refusal& refusal() const { return std::get<1>(content_); }
+
+ private:
+  std::variant<T, Refusal> content_;
+};
+
+}  // namespace mwidth::gate
