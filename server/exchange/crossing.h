@@ -78,6 +78,8 @@ struct Sample {
   int32_t force_counts = 0;
   State state = State::kIdle;
   bool saturated = false;
+  /// The drive did not answer: position, velocity and acceleration are the last ones known.
+  bool position_stale = false;
   /// Ticks skipped since the start, this one's predecessors included.
   uint64_t missed_ticks = 0;
   double position = 0;
