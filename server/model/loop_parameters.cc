@@ -1,0 +1,66 @@
+#include "server/model/loop_parameters.h"
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+namespace mwidth::model {
+namespace {
+
+// 0.5/period and 3 periods are themselves rounded; a caller who computes them may round the other way.
+constexpr double kRounding = 1 + 4 * std::numeric_limits<double>::epsilon();
+
+struct Range {
+  const char* parameter;
+  double value;
+  double min;
+  double max;
+  const char* allowed;
+};
+
+std::string Number(double value) {
+  std::array<char, 32> text{};
+  // The shortest form that tells a value just out of range from the limit.
+  if (std::snprintf(text.data(), text.size(), "%.10g", value) < 0) {
+    return "?";
+  }
+  return text.data();
+}
+
+// Written so that NaN is out of range.
+bool Holds(const Range& range) { return range.value >= range.min && range.value <= range.max; }
+
+}  // namespace
+
+std::string ParameterError::Message() const {
+  return parameter + " = " + Number(value) + " is not allowed: it must be " + allowed;
+}
+
+std::optional<ParameterError> Validate(const LoopParameters& loop) {
+  const std::array<Range, 6> ranges{{
+      {"device_mass", loop.device_mass, 1e-6, 1e4, "1e-6 to 1e4"},
+      {"device_damping", loop.device_damping, 0, 1e4, "0 to 1e4"},
+      {"hand_mass", loop.hand_mass, 0, 1e4, "0 to 1e4"},
+      {"hand_damping", loop.hand_damping, 0, 1e4, "0 to 1e4"},
+      {"hand_stiffness", loop.hand_stiffness, 0, 1e6, "0 to 1e6"},
+      {"period_s", loop.period_s, 1e-5, 1e-2, "1e-5 to 1e-2"},
+  }};
+  for (const Range& range : ranges) {
+    if (!Holds(range)) {
+      return ParameterError{range.parameter, range.value, range.allowed};
+    }
+  }
+  const double cutoff_max_hz = 0.5 / loop.period_s;
+  if (!(loop.cutoff_hz > 0 && loop.cutoff_hz <= cutoff_max_hz * kRounding)) {
+    return ParameterError{"cutoff_hz", loop.cutoff_hz,
+                          "above 0, at most half the sample rate (" + Number(cutoff_max_hz) + " Hz)"};
+  }
+  const double delay_max_s = 3 * loop.period_s;
+  if (!(loop.delay_s >= 0 && loop.delay_s <= delay_max_s * kRounding)) {
+    return ParameterError{"delay_s", loop.delay_s, "0 to 3 periods (" + Number(delay_max_s) + " s)"};
+  }
+  return std::nullopt;
+}
+
+}  // namespace mwidth::model
