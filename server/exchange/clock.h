@@ -28,8 +28,8 @@ class MonotonicClock final : public Clock {
   void SleepUntilNs(int64_t deadline_ns) noexcept override;
 };
 
-/// Time that passes only as the loop sleeps, `speed` times as fast as real time: a simulated axis never misses
-/// a deadline on it, however the host stalls, and a recording plays in a fraction of its length.
+/// Time that passes only as the loop sleeps, `speed` times as fast as real time: a simulated axis never
+/// misses a deadline on it, however the host stalls, and a recording plays in a fraction of its length.
 class SimulatedClock final : public Clock {
  public:
   /// `speed` above 0.

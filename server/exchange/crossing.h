@@ -21,13 +21,13 @@ enum class Fault : uint8_t {
   kDriveRefused,
 };
 
-/// What the gate wants of the loop. Posted whole; the newest wins, so anything that must not be missed is a counter
-/// or a number that only grows, never an edge.
+/// What the gate wants of the loop. Posted whole; the newest wins, so anything that must not be missed is a
+/// counter or a number that only grows, never an edge.
 struct Settings {
   /// Grows by one with every post; the loop answers with LoopStatus::settings_sequence.
   uint64_t sequence = 0;
-  /// The loop renders while this is true, and begins only when render_epoch has grown since it last began: a fault
-  /// or a lost lease ends rendering, and only a new StartRendering begins it again.
+  /// The loop renders while this is true, and begins only when render_epoch has grown since it last began: a
+  /// fault or a lost lease ends rendering, and only a new StartRendering begins it again.
   bool rendering = false;
   uint64_t render_epoch = 0;
   /// Admitted virtual mass, and the time of the ramp to it.

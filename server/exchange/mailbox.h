@@ -8,11 +8,11 @@
 
 namespace mwidth::exchange {
 
-/// Triple buffer for one writer and one reader thread: the writer owns one slot, the reader owns another, the third
-/// is handed over by one atomic exchange. Lock-free, wait-free, no allocation, no pointer inside: it may lie in
-/// memory shared between processes.
+/// Triple buffer for one writer and one reader thread: the writer owns one slot, the reader owns another, the
+/// third is handed over by one atomic exchange. Lock-free, wait-free, no allocation, no pointer inside: it
+/// may lie in memory shared between processes.
 template <typename T>
-class Mailbox {
+class Mailbox {  // NOLINT(clang-analyzer-optin.performance.Padding): a cache line for each side is the point
   static_assert(std::is_trivially_copyable_v<T>, "what crosses is plain memory");
   static_assert(std::atomic<uint32_t>::is_always_lock_free);
 
@@ -23,8 +23,8 @@ class Mailbox {
     writing_ = handover_.exchange(writing_ | kFresh, std::memory_order_acq_rel) & kIndex;
   }
 
-  /// Copies the newest value to `value` if one came since the last call; else leaves `value` alone and returns
-  /// false. Reader only. Rt.
+  /// Copies the newest value to `value` if one came since the last call; else leaves `value` alone and
+  /// returns false. Reader only. Rt.
   bool Take(T& value) noexcept {
     if ((handover_.load(std::memory_order_relaxed) & kFresh) == 0) {
       return false;
