@@ -1,0 +1,42 @@
+// What a loop is told before it starts.
+#pragma once
+
+#include <cstdint>
+
+namespace mwidth::render {
+
+/// What the loop asks of the host's scheduler.
+struct RealtimeConfig {
+  /// SCHED_FIFO priority, 1 to 99; 0 leaves the thread to the ordinary scheduler. Below the kernel's own
+  /// threads for the interrupts of the drive's link (50 on PREEMPT_RT), the loop would wait for itself: stay
+  /// above 50.
+  int priority = 80;
+  /// The CPU to stay on; negative leaves it to the host.
+  int cpu = -1;
+};
+
+/// One axis. Linear: kg, m, N; rotary: kg m^2, rad, N m. There is no default for what the motor and the
+/// person beside it decide: a config without limits is refused.
+struct LoopConfig {
+  /// Sample period T, 1e-4 to 1e-2 s, and cut-off f0 of the acceleration filter, above 0, at most 0.5 /
+  /// period_s.
+  double period_s = 1e-3;
+  double cutoff_hz = 10;
+
+  /// Largest force that is ever commanded, either sign; above 0.
+  double force_limit = 0;
+  /// Where rendering is allowed; a position outside is a fault.
+  double position_min = 0;
+  double position_max = 0;
+  /// Largest speed while rendering, either sign; above 0.
+  double velocity_limit = 0;
+  /// Ticks that may be skipped at once; more is a fault. At most 16: the force of the last tick acts
+  /// meanwhile.
+  uint32_t max_missed_ticks = 5;
+  /// How long a fault that leaves the estimate sound takes to bring the mass to zero, 0 to 0.05 s.
+  double fault_ramp_s = 0.05;
+
+  RealtimeConfig realtime;
+};
+
+}  // namespace mwidth::render

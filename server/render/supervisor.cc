@@ -1,0 +1,199 @@
+#include "server/render/supervisor.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mwidth::render {
+
+using exchange::Fault;
+using exchange::Settings;
+using exchange::State;
+
+Supervisor::Supervisor(const LoopConfig& config, const Settings& history, device::Drive& drive) noexcept
+    : config_(config), drive_(drive), mass_(config.period_s), epoch_seen_(history.render_epoch) {}
+
+double Supervisor::Step(const Settings& settings, const Observation& seen) noexcept {
+  tick_ = seen.tick;
+  missed_ticks_ = seen.missed_ticks;
+  // Missed ticks belong to the ramp that was running: its end must not be late because the host was.
+  mass_.Advance(seen.missed_ticks);
+  cleared_fault_number_ = settings.cleared_fault_number;
+  if (settings.emergency_stops > emergency_stops_seen_) {
+    emergency_stops_seen_ = settings.emergency_stops;
+    Trip(Fault::kEmergencyStop, static_cast<double>(settings.emergency_stops), 0);
+  }
+  Obey(settings, seen.monotonic_ns);
+  Watch(seen);
+  mass_.Advance(1);
+  FinishRamp();
+  return mass_.mass();
+}
+
+void Supervisor::Obey(const Settings& settings, int64_t now_ns) noexcept {
+  const bool wanted = settings.rendering && settings.lease_deadline_ns > now_ns && !stopping_;
+  if (state_ == State::kRendering && ending_) {
+    return;  // What is asked for now is answered in READY.
+  }
+  const bool new_epoch = settings.render_epoch > epoch_seen_;
+  epoch_seen_ = std::max(epoch_seen_, settings.render_epoch);
+  switch (state_) {
+    case State::kIdle:
+    case State::kReady:
+      if (new_epoch && wanted) {
+        Begin(settings);
+      }
+      break;
+    case State::kRendering:
+      if (wanted) {
+        render_epoch_ = epoch_seen_;
+        Follow(settings);
+      } else {
+        ending_ = true;
+        mass_.SetTarget(0, kEndRampS);
+      }
+      break;
+    case State::kFault:
+      Clear(settings.cleared_fault_number);
+      break;
+  }
+}
+
+void Supervisor::Begin(const Settings& settings) noexcept {
+  if (!enabled_ && !drive_.Enable()) {
+    Trip(Fault::kDriveRefused, 0, 0);
+    return;
+  }
+  enabled_ = true;
+  ending_ = false;
+  state_ = State::kRendering;
+  render_epoch_ = settings.render_epoch;
+  Follow(settings);
+}
+
+void Supervisor::Follow(const Settings& settings) noexcept {
+  // The gate lets no such mass through. If one comes all the same, nothing that was certified holds any more.
+  if (!std::isfinite(settings.mass)) {
+    Trip(Fault::kNotFinite, settings.mass, 0);
+  } else if (settings.mass != mass_.target()) {
+    mass_.SetTarget(settings.mass, settings.ramp_s);
+  }
+}
+
+void Supervisor::Clear(uint64_t cleared_fault_number) noexcept {
+  if (!enabled_ && cleared_fault_number >= fault_.number) {
+    fault_ = {.number = fault_.number};
+    state_ = State::kIdle;
+  }
+}
+
+void Supervisor::Watch(const Observation& seen) noexcept {
+  silent_ = !seen.fresh;
+  if (silent_) {
+    CountSilence();
+  }
+  const bool force_possible = enabled_ && state_ != State::kReady;
+  if (force_possible && seen.missed_ticks > config_.max_missed_ticks) {
+    Trip(Fault::kOverrun, static_cast<double>(seen.missed_ticks), config_.max_missed_ticks);
+  }
+  if (state_ == State::kRendering) {
+    WatchMotion(seen);
+  }
+}
+
+void Supervisor::WatchMotion(const Observation& seen) noexcept {
+  for (const double value : {seen.position, seen.velocity, seen.acceleration}) {
+    if (!std::isfinite(value)) {
+      Trip(Fault::kNotFinite, value, 0);
+      return;
+    }
+  }
+  if (seen.position < config_.position_min) {
+    Trip(Fault::kPositionLimit, seen.position, config_.position_min);
+  } else if (seen.position > config_.position_max) {
+    Trip(Fault::kPositionLimit, seen.position, config_.position_max);
+  } else if (std::abs(seen.velocity) > config_.velocity_limit) {
+    Trip(Fault::kVelocityLimit, seen.velocity, config_.velocity_limit);
+  }
+}
+
+void Supervisor::CountSilence() noexcept {
+  // Ticks missed within a silence count as silent; those before it are the host's fault, not the drive's.
+  silent_ticks_ += silent_ticks_ == 0 ? 1 : 1 + missed_ticks_;
+  if (enabled_ && silent_ticks_ > kHeldTicks) {
+    Trip(Fault::kDriveSilent, static_cast<double>(silent_ticks_), kHeldTicks);
+  }
+}
+
+void Supervisor::ReportWrite(bool taken) noexcept {
+  if (silent_) {
+    return;  // Counted already.
+  }
+  if (taken) {
+    silent_ticks_ = 0;
+  } else {
+    CountSilence();
+  }
+}
+
+void Supervisor::ReportNotFinite(double value) noexcept { Trip(Fault::kNotFinite, value, 0); }
+
+void Supervisor::FinishRamp() noexcept {
+  if (!mass_.arrived()) {
+    return;
+  }
+  if (state_ == State::kRendering && ending_) {
+    ++renderings_ended_;
+    state_ = State::kReady;
+  } else if (state_ == State::kFault && enabled_) {
+    SwitchOff();
+  }
+}
+
+void Supervisor::Trip(Fault fault, double value, double limit) noexcept {
+  const bool sound_estimate = fault == Fault::kPositionLimit || fault == Fault::kVelocityLimit;
+  if (sound_estimate) {
+    mass_.SetTarget(0, config_.fault_ramp_s);
+  } else {
+    mass_.Cut();
+    SwitchOff();
+  }
+  // The first fault is the cause and stays, except that an emergency stop must be seen, and cleared, for
+  // itself.
+  if (state_ == State::kFault && fault != Fault::kEmergencyStop) {
+    return;
+  }
+  if (state_ == State::kRendering) {
+    ++renderings_ended_;
+  }
+  state_ = State::kFault;
+  // Above whatever was cleared so far, or a fault in a loop that is made anew would be cleared before it was
+  // seen.
+  const uint64_t number = std::max(fault_.number, cleared_fault_number_) + 1;
+  fault_ = {.fault = fault, .number = number, .tick = tick_, .value = value, .limit = limit};
+}
+
+void Supervisor::SwitchOff() noexcept {
+  // Both, and whatever we believe its state to be: a drive that is slow to disable still gets its zero.
+  if (enabled_) {
+    drive_.Write(0);
+  }
+  drive_.Disable();
+  enabled_ = false;
+}
+
+bool Supervisor::AtRest() const noexcept {
+  return state_ != State::kRendering && (state_ != State::kFault || !enabled_);
+}
+
+void Supervisor::Close() noexcept {
+  mass_.Cut();
+  SwitchOff();
+  if (state_ == State::kRendering) {
+    ++renderings_ended_;
+  }
+  if (state_ != State::kFault) {
+    state_ = State::kIdle;
+  }
+}
+
+}  // namespace mwidth::render

@@ -1,0 +1,105 @@
+// Who decides whether there may be a force: IDLE -> READY -> RENDERING -> FAULT.
+#pragma once
+
+#include <cstdint>
+
+#include "device/drive.h"
+#include "server/exchange/crossing.h"
+#include "server/render/loop_config.h"
+#include "server/render/mass_ramp.h"
+
+namespace mwidth::render {
+
+/// The time of the ramp to zero when rendering ends in good order: a stop, or a lease that ran out. For the
+/// lease, that and the tick that notices stay within the 500 ms that are promised.
+inline constexpr double kEndRampS = 0.2;
+
+/// Ticks without an answer of the drive over which the last estimate stands in for the missing one.
+inline constexpr uint64_t kHeldTicks = 2;
+
+/// What one tick knows before it decides.
+struct Observation {
+  uint64_t tick = 0;
+  int64_t monotonic_ns = 0;
+  /// Ticks skipped just before this one.
+  uint64_t missed_ticks = 0;
+  /// The drive answered; if not, the motion is the last one known.
+  bool fresh = false;
+  double position = 0;
+  double velocity = 0;
+  double acceleration = 0;
+};
+
+/// The state machine of one axis, and the only one that switches its drive on and off. The loop's thread; all
+/// Rt.
+///
+///   IDLE       drive disabled. A start enables it.
+///   READY      drive enabled, zero force. A silent drive is a fault: whether its force is zero cannot be
+///   known. RENDERING  the mass ramps to what is set. The only state that watches the motion: elsewhere there
+///   is no force
+///              that could make it unsafe, and the arm must be free to be moved back to where it may begin.
+///   FAULT      the mass ramps to zero where the estimate is still sound (position and velocity limits), and
+///   is cut
+///              at once where it is not; then the drive is disabled. Latched until cleared, and then IDLE.
+class Supervisor {
+ public:
+  /// `history` is what was set before the loop began: a start in it is not obeyed, or a loop that is made
+  /// anew would begin to render by itself. An emergency stop in it is obeyed.
+  Supervisor(const LoopConfig& config, const exchange::Settings& history, device::Drive& drive) noexcept;
+
+  /// Obeys the settings, watches the motion, and returns the virtual mass of this tick.
+  double Step(const exchange::Settings& settings, const Observation& seen) noexcept;
+  /// After Step: whether the drive took the force; true where none was sent.
+  void ReportWrite(bool taken) noexcept;
+  /// After Step: a force that is no number came out.
+  void ReportNotFinite(double value) noexcept;
+
+  /// From now on nothing begins, and what is rendered ramps to zero.
+  void BeginStop() noexcept { stopping_ = true; }
+  /// True when no force is left that would have to ramp down.
+  bool AtRest() const noexcept;
+  /// Disables the drive whatever the state; a fault stays.
+  void Close() noexcept;
+
+  exchange::State state() const noexcept { return state_; }
+  const exchange::FaultRecord& fault() const noexcept { return fault_; }
+  bool drive_enabled() const noexcept { return enabled_; }
+  double mass() const noexcept { return mass_.mass(); }
+  double target_mass() const noexcept { return mass_.target(); }
+  /// The epoch that last began, and how many renderings ended.
+  uint64_t render_epoch() const noexcept { return render_epoch_; }
+  uint64_t renderings_ended() const noexcept { return renderings_ended_; }
+
+ private:
+  void Obey(const exchange::Settings& settings, int64_t now_ns) noexcept;
+  void Begin(const exchange::Settings& settings) noexcept;
+  void Follow(const exchange::Settings& settings) noexcept;
+  void Clear(uint64_t cleared_fault_number) noexcept;
+  void Watch(const Observation& seen) noexcept;
+  void WatchMotion(const Observation& seen) noexcept;
+  void CountSilence() noexcept;
+  void FinishRamp() noexcept;
+  void Trip(exchange::Fault fault, double value, double limit) noexcept;
+  void SwitchOff() noexcept;
+
+  const LoopConfig config_;
+  device::Drive& drive_;
+  MassRamp mass_;
+  exchange::State state_ = exchange::State::kIdle;
+  exchange::FaultRecord fault_;
+  bool enabled_ = false;
+  bool ending_ = false;
+  bool stopping_ = false;
+  uint64_t tick_ = 0;
+  // Highest epoch seen; a start is obeyed or forfeited when it is first seen, never kept for later.
+  uint64_t epoch_seen_ = 0;
+  uint64_t render_epoch_ = 0;
+  uint64_t renderings_ended_ = 0;
+  uint64_t emergency_stops_seen_ = 0;
+  uint64_t cleared_fault_number_ = 0;
+  uint64_t missed_ticks_ = 0;
+  uint64_t silent_ticks_ = 0;
+  bool silent_ = false;
+};
+
+}  // namespace mwidth::render

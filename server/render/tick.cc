@@ -1,0 +1,116 @@
+#include "server/render/tick.h"
+
+#include <cmath>
+
+#include "server/render/force_law.h"
+
+namespace mwidth::render {
+namespace {
+
+exchange::Settings TakeHistory(exchange::Crossing& crossing) noexcept {
+  exchange::Settings history;
+  crossing.settings.Take(history);
+  return history;
+}
+
+}  // namespace
+
+Tick::Tick(const LoopConfig& config, device::Drive& drive, exchange::Crossing& crossing) noexcept
+    : drive_(drive),
+      crossing_(crossing),
+      info_(drive.Info()),
+      largest_force_counts_(LargestForceCounts(config.force_limit, info_.force_quantum)),
+      settings_(TakeHistory(crossing)),
+      estimator_(config.period_s, config.cutoff_hz),
+      supervisor_(config, settings_, drive) {}
+
+void Tick::Run(uint64_t tick, int64_t now_ns, uint64_t missed_ticks) noexcept {
+  missed_ticks_ += missed_ticks;
+  const device::Reading reading = drive_.Read(tick);
+  // After the read, which may wait for the drive: an emergency stop posted meanwhile counts in this tick.
+  crossing_.settings.Take(settings_);
+  if (reading.ok) {
+    Follow(tick, reading.position_counts);
+  }
+  const double mass = supervisor_.Step(settings_, {.tick = tick,
+                                                   .monotonic_ns = now_ns,
+                                                   .missed_ticks = missed_ticks,
+                                                   .fresh = reading.ok,
+                                                   .position = position_,
+                                                   .velocity = estimator_.velocity(),
+                                                   .acceleration = estimator_.acceleration()});
+  Command(mass);
+  Post(tick, now_ns, !reading.ok);
+}
+
+void Tick::Follow(uint64_t tick, int64_t position_counts) noexcept {
+  position_counts_ = position_counts;
+  position_ = PositionOf(position_counts, info_.position_quantum);
+  // Missed and silent ticks are one gap to the estimator, which bridges it: a held position would read as a
+  // jump.
+  estimator_.Update(position_, tick - answered_tick_);
+  answered_tick_ = tick;
+}
+
+ForceCommand Tick::ForceAt(double mass) noexcept {
+  if (mass == 0) {
+    return {};
+  }
+  const double force = VirtualForce(mass, estimator_.acceleration());
+  if (!std::isfinite(force)) {
+    supervisor_.ReportNotFinite(force);
+    return {};
+  }
+  return LimitForce(force, info_.force_quantum, largest_force_counts_);
+}
+
+void Tick::Command(double mass) noexcept {
+  force_ = ForceAt(mass);
+  supervisor_.ReportWrite(!supervisor_.drive_enabled() || drive_.Write(force_.counts));
+  if (!supervisor_.drive_enabled()) {
+    force_ = {};  // The last answer that was missing came in this tick, and the force was taken away again.
+  }
+}
+
+void Tick::Post(uint64_t tick, int64_t now_ns, bool stale) noexcept {
+  crossing_.samples.Push({.tick = tick,
+                          .monotonic_ns = now_ns,
+                          .position_counts = position_counts_,
+                          .force_counts = force_.counts,
+                          .state = supervisor_.state(),
+                          .saturated = force_.saturated,
+                          .position_stale = stale,
+                          .missed_ticks = missed_ticks_,
+                          .position = position_,
+                          .velocity = estimator_.velocity(),
+                          .acceleration = estimator_.acceleration(),
+                          .force = force_.counts * info_.force_quantum,
+                          .mass = supervisor_.mass()});
+  PostStatus(tick, now_ns);
+}
+
+void Tick::PostStatus(uint64_t tick, int64_t now_ns) noexcept {
+  last_tick_ = tick;
+  last_ns_ = now_ns;
+  crossing_.status.Post({.settings_sequence = settings_.sequence,
+                         .tick = tick,
+                         .monotonic_ns = now_ns,
+                         .state = supervisor_.state(),
+                         .fault = supervisor_.fault(),
+                         .render_epoch = supervisor_.render_epoch(),
+                         .renderings_ended = supervisor_.renderings_ended(),
+                         .position = position_,
+                         .velocity = estimator_.velocity(),
+                         .force = force_.counts * info_.force_quantum,
+                         .mass = supervisor_.mass(),
+                         .target_mass = supervisor_.target_mass(),
+                         .missed_ticks = missed_ticks_});
+}
+
+void Tick::Close() noexcept {
+  supervisor_.Close();
+  force_ = {};
+  PostStatus(last_tick_, last_ns_);
+}
+
+}  // namespace mwidth::render

@@ -1,0 +1,60 @@
+// One tick of one axis, from the encoder to the motor.
+#pragma once
+
+#include <cstdint>
+
+#include "device/drive.h"
+#include "server/exchange/crossing.h"
+#include "server/model/estimator.h"
+#include "server/render/limits.h"
+#include "server/render/loop_config.h"
+#include "server/render/supervisor.h"
+
+namespace mwidth::render {
+
+/// Reads the drive, estimates the acceleration, applies eq. 5 and the limits, writes the drive, and posts
+/// what it did. No time, thread or memory of its own but what is passed in: the same readings and settings
+/// give the same samples, to the bit. In a Sample, position = position_counts * position_quantum; velocity
+/// and acceleration are those of model::AccelerationEstimator over the ticks whose position is not stale;
+/// force = force_counts * force_quantum, and force_counts is mass * acceleration limited and rounded to
+/// counts: the force that the drive was given. The loop's thread, except the constructor; all but that is Rt.
+class Tick {
+ public:
+  /// Settings that lie in the mailbox already are history: see Supervisor.
+  Tick(const LoopConfig& config, device::Drive& drive, exchange::Crossing& crossing) noexcept;
+
+  /// Runs tick number `tick`, at `now_ns`, after `missed_ticks` were skipped (so it is that many plus one
+  /// above the last).
+  void Run(uint64_t tick, int64_t now_ns, uint64_t missed_ticks) noexcept;
+
+  /// From now on nothing begins, and what is rendered ramps to zero.
+  void BeginStop() noexcept { supervisor_.BeginStop(); }
+  bool AtRest() const noexcept { return supervisor_.AtRest(); }
+  /// Disables the drive and posts that.
+  void Close() noexcept;
+
+ private:
+  /// The motion at the last answer of the drive.
+  void Follow(uint64_t tick, int64_t position_counts) noexcept;
+  ForceCommand ForceAt(double mass) noexcept;
+  void Command(double mass) noexcept;
+  void Post(uint64_t tick, int64_t now_ns, bool stale) noexcept;
+  void PostStatus(uint64_t tick, int64_t now_ns) noexcept;
+
+  device::Drive& drive_;
+  exchange::Crossing& crossing_;
+  const device::DriveInfo info_;
+  const int32_t largest_force_counts_;
+  exchange::Settings settings_;
+  model::AccelerationEstimator estimator_;
+  Supervisor supervisor_;
+  ForceCommand force_;
+  int64_t position_counts_ = 0;
+  double position_ = 0;
+  uint64_t answered_tick_ = 0;
+  uint64_t missed_ticks_ = 0;
+  uint64_t last_tick_ = 0;
+  int64_t last_ns_ = 0;
+};
+
+}  // namespace mwidth::render
