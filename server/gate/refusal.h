@@ -24,19 +24,19 @@ enum class RefusalCode : uint8_t {
 };
 
 // Reasons, as programs read them. Part of the API: never renamed.
-inline constexpr char kInvalidNumber[] = "INVALID_NUMBER";
-inline constexpr char kInvalidText[] = "INVALID_TEXT";
-inline constexpr char kMassLimit[] = "MASS_LIMIT";
-inline constexpr char kUnstableMass[] = "UNSTABLE_MASS";
-inline constexpr char kNoLease[] = "NO_LEASE";
-inline constexpr char kLeaseLost[] = "LEASE_LOST";
-inline constexpr char kControlHeld[] = "CONTROL_HELD";
-inline constexpr char kWrongState[] = "WRONG_STATE";
-inline constexpr char kRenderingBlocked[] = "RENDERING_BLOCKED";
-inline constexpr char kLoopSilent[] = "LOOP_SILENT";
-inline constexpr char kUnknownAxis[] = "UNKNOWN_AXIS";
-inline constexpr char kAmbiguousAxis[] = "AMBIGUOUS_AXIS";
-inline constexpr char kTooManyStreams[] = "TOO_MANY_STREAMS";
+inline constexpr const char* kInvalidNumber = "INVALID_NUMBER";
+inline constexpr const char* kInvalidText = "INVALID_TEXT";
+inline constexpr const char* kMassLimit = "MASS_LIMIT";
+inline constexpr const char* kUnstableMass = "UNSTABLE_MASS";
+inline constexpr const char* kNoLease = "NO_LEASE";
+inline constexpr const char* kLeaseLost = "LEASE_LOST";
+inline constexpr const char* kControlHeld = "CONTROL_HELD";
+inline constexpr const char* kWrongState = "WRONG_STATE";
+inline constexpr const char* kRenderingBlocked = "RENDERING_BLOCKED";
+inline constexpr const char* kLoopSilent = "LOOP_SILENT";
+inline constexpr const char* kUnknownAxis = "UNKNOWN_AXIS";
+inline constexpr const char* kAmbiguousAxis = "AMBIGUOUS_AXIS";
+inline constexpr const char* kTooManyStreams = "TOO_MANY_STREAMS";
 
 /// A request that was not granted; nothing has changed unless the message says so.
 struct Refusal {

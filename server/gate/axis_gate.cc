@@ -1,0 +1,242 @@
+#include "server/gate/axis_gate.h"
+
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "server/gate/figures.h"
+#include "server/gate/state_refusals.h"
+#include "server/gate/state_words.h"
+
+namespace mwidth::gate {
+namespace {
+
+using exchange::LoopStatus;
+using exchange::State;
+
+AxisDescription Checked(AxisDescription axis) {
+  const bool limits_hold_zero = std::isfinite(axis.mass_min) && std::isfinite(axis.mass_max) &&
+                                axis.mass_min <= 0 && axis.mass_max >= 0;
+  if (!limits_hold_zero) {
+    throw std::invalid_argument("the mass limits of axis '" + axis.name + "' are " + Figure(axis.mass_min) +
+                                " and " + Figure(axis.mass_max) + ": they must be finite and hold 0 between");
+  }
+  return axis;
+}
+
+bool NotRendering(const LoopStatus& status) { return status.state != State::kRendering; }
+
+bool Acknowledged(const LoopStatus&) { return true; }
+
+}  // namespace
+
+AxisGate::AxisGate(AxisDescription description, exchange::Crossing& crossing, const exchange::Clock& clock,
+                   WaitForLoop wait)
+    : description_(Checked(std::move(description))),
+      stability_(description_.loop, description_.required_gain_margin_db),
+      crossing_(crossing),
+      clock_(clock),
+      wait_(std::move(wait)),
+      loop_(crossing) {}
+
+Result<Lease> AxisGate::AcquireControl(const std::string& client_name, double ttl_s) {
+  std::string id = RandomLeaseId();
+  const std::lock_guard lock(mutex_);
+  Result<Lease> lease = lease_.Acquire(std::move(id), client_name, ttl_s, clock_.NowNs());
+  if (lease.ok()) {
+    // A late loop may not have seen the previous lease expire: it must not take the new deadline for a
+    // renewal.
+    loop_.Stop();
+    loop_.SetDeadline(lease->deadline_ns);
+  }
+  return lease;
+}
+
+Result<Lease> AxisGate::RenewControl(const std::string& lease_id) {
+  const std::lock_guard lock(mutex_);
+  Result<Lease> lease = lease_.Renew(lease_id, clock_.NowNs());
+  if (lease.ok()) {
+    loop_.SetDeadline(lease->deadline_ns);
+  }
+  return lease;
+}
+
+Result<LoopStatus> AxisGate::ReleaseControl(const std::string& lease_id) {
+  Posted posted;
+  {
+    const std::lock_guard lock(mutex_);
+    if (std::optional<Refusal> refusal = lease_.Release(lease_id, clock_.NowNs())) {
+      return *std::move(refusal);
+    }
+    posted = loop_.Stop();
+  }
+  return Await(posted, NotRendering);
+}
+
+Result<Posted> AxisGate::PostStart(const std::string& lease_id) {
+  const std::lock_guard lock(mutex_);
+  if (std::optional<Refusal> refusal = lease_.Check(lease_id, clock_.NowNs())) {
+    return *std::move(refusal);
+  }
+  if (!description_.rendering_blocked_reason.empty()) {
+    return Refusal{.code = RefusalCode::kFailedPrecondition,
+                   .reason = kRenderingBlocked,
+                   .message = description_.rendering_blocked_reason};
+  }
+  const LoopStatus& status = loop_.NewestStatus();
+  if (status.state == State::kFault) {
+    return InFault(status);
+  }
+  if (loop_.StopPending()) {
+    return StillStopping(status);
+  }
+  if (status.state == State::kRendering || loop_.StartPending()) {
+    return WrongState(status, "The axis renders already: set a mass, or stop it first.");
+  }
+  return loop_.Start();
+}
+
+Result<LoopStatus> AxisGate::StartRendering(const std::string& lease_id) {
+  const Result<Posted> posted = PostStart(lease_id);
+  if (!posted.ok()) {
+    return posted.refusal();
+  }
+  const auto begun = [&posted](const LoopStatus& status) {
+    return status.render_epoch >= posted->render_epoch && status.state != State::kFault;
+  };
+  Result<LoopStatus> answer = Await(
+      *posted, [&begun](const LoopStatus& status) { return begun(status) || status.state == State::kFault; });
+  if (!answer.ok() || begun(*answer)) {
+    return answer;
+  }
+  {
+    // Refused now must not become started later.
+    const std::lock_guard lock(mutex_);
+    if (loop_.render_epoch() == posted->render_epoch) {
+      loop_.Stop();
+    }
+  }
+  return answer->state == State::kFault
+             ? InFault(*answer)
+             : WrongState(*answer, "The axis did not begin to render: look at its state and ask again.");
+}
+
+Result<LoopStatus> AxisGate::StopRendering(const std::string& lease_id) {
+  Posted posted;
+  {
+    const std::lock_guard lock(mutex_);
+    if (std::optional<Refusal> refusal = lease_.Check(lease_id, clock_.NowNs())) {
+      return *std::move(refusal);
+    }
+    posted = loop_.Stop();
+  }
+  return Await(posted, NotRendering);
+}
+
+std::optional<Refusal> AxisGate::CheckLease(const std::string& lease_id) {
+  const std::lock_guard lock(mutex_);
+  return lease_.Check(lease_id, clock_.NowNs());
+}
+
+Result<Posted> AxisGate::PostMass(const std::string& lease_id, const MassRequest& request) {
+  const std::lock_guard lock(mutex_);
+  // Once more: the lease may have expired while stability was computed.
+  if (std::optional<Refusal> refusal = lease_.Check(lease_id, clock_.NowNs())) {
+    return *std::move(refusal);
+  }
+  const LoopStatus& status = loop_.NewestStatus();
+  if (status.state == State::kFault) {
+    return InFault(status);
+  }
+  if (loop_.StopPending()) {
+    return StillStopping(status);
+  }
+  return request.validate_only ? Posted{} : loop_.SetMass(request.mass, request.ramp_s);
+}
+
+Result<MassGrant> AxisGate::SetMass(const std::string& lease_id, const MassRequest& request) {
+  if (std::optional<Refusal> refusal = CheckLease(lease_id)) {
+    return *std::move(refusal);
+  }
+  if (std::optional<Refusal> refusal = CheckNumbers(request, description_)) {
+    return *std::move(refusal);
+  }
+  StabilityReport report = stability_.Judge(
+      request.mass, {.min = description_.mass_min, .max = description_.mass_max}, description_.kind);
+  if (!report.admitted) {
+    return UnstableMass(report, description_);
+  }
+  const Result<Posted> posted = PostMass(lease_id, request);
+  if (!posted.ok()) {
+    return posted.refusal();
+  }
+  MassGrant grant{.mass = request.mass, .stability = std::move(report), .tick = 0};
+  if (!request.validate_only) {
+    const Result<LoopStatus> answer = Await(*posted, Acknowledged);
+    if (!answer.ok()) {
+      return answer.refusal();
+    }
+    if (answer->state == State::kFault) {
+      return InFault(*answer);
+    }
+    grant.tick = answer->tick;
+  }
+  return grant;
+}
+
+Result<Posted> AxisGate::PostClearFault(const std::string& lease_id) {
+  const std::lock_guard lock(mutex_);
+  if (std::optional<Refusal> refusal = lease_.Check(lease_id, clock_.NowNs())) {
+    return *std::move(refusal);
+  }
+  const LoopStatus& status = loop_.NewestStatus();
+  if (status.state != State::kFault) {
+    return WrongState(status, "There is no fault to clear: the axis is " + StateName(status.state) + ".");
+  }
+  return loop_.ClearFault(status.fault.number);
+}
+
+Result<LoopStatus> AxisGate::ClearFault(const std::string& lease_id) {
+  const Result<Posted> posted = PostClearFault(lease_id);
+  if (!posted.ok()) {
+    return posted.refusal();
+  }
+  Result<LoopStatus> answer = Await(*posted, Acknowledged);
+  if (answer.ok() && answer->state == State::kFault) {
+    return InFault(*answer);
+  }
+  return answer;
+}
+
+Posted AxisGate::PostEmergencyStop() {
+  const std::lock_guard lock(mutex_);
+  return loop_.EmergencyStop();
+}
+
+Result<LoopStatus> AxisGate::AwaitEmergencyStop(const Posted& posted) { return Await(posted, Acknowledged); }
+
+LoopStatus AxisGate::Status() {
+  const std::lock_guard lock(mutex_);
+  return loop_.NewestStatus();
+}
+
+std::string AxisGate::Controller() {
+  const std::lock_guard lock(mutex_);
+  return lease_.Holder(clock_.NowNs());
+}
+
+Result<LoopStatus> AxisGate::Await(const Posted& posted, const Predicate& done) {
+  LoopStatus status;
+  wait_([&] {
+    status = Status();
+    return status.settings_sequence >= posted.sequence && done(status);
+  });
+  if (status.settings_sequence >= posted.sequence) {
+    return status;
+  }
+  const std::lock_guard lock(mutex_);
+  loop_.Stop();
+  return LoopSilent();
+}
+
+}  // namespace mwidth::gate

@@ -1,0 +1,75 @@
+#include "server/gate/mass_request.h"
+
+#include <cmath>
+#include <string>
+
+#include "server/gate/figures.h"
+
+namespace mwidth::gate {
+namespace {
+
+Refusal InvalidNumber(const std::string& field, double value, const std::string& allowed) {
+  return {.code = RefusalCode::kInvalidArgument,
+          .reason = kInvalidNumber,
+          .message = field + " is " + Figure(value) + ": " + allowed + ".",
+          .metadata = {{"field", field}, {"value", Figure(value)}, {"allowed", allowed}}};
+}
+
+std::string Range(const Interval& interval) {
+  return FigureTowardsZero(interval.min) + " to " + FigureTowardsZero(interval.max);
+}
+
+std::string Advice(const StabilityReport& report, const std::string& unit) {
+  std::string advice = "Ask for " + FigureTowardsZero(report.nearest_admitted_mass) + " " + unit;
+  if (report.admitting_cutoff_hz) {
+    advice += ", or configure the filter's cut-off at " + FigureTowardsZero(*report.admitting_cutoff_hz) +
+              " Hz or below";
+  }
+  return advice + ". The mass rendered so far stays.";
+}
+
+}  // namespace
+
+std::optional<Refusal> CheckNumbers(const MassRequest& request, const AxisDescription& axis) {
+  if (!std::isfinite(request.mass)) {
+    return InvalidNumber("mass", request.mass, "give a finite number");
+  }
+  if (!(request.ramp_s >= 0 && request.ramp_s <= kMaxRampS)) {
+    return InvalidNumber("ramp", request.ramp_s, "give 0 to 10 s, or leave it unset for 0.2 s");
+  }
+  if (request.mass < axis.mass_min || request.mass > axis.mass_max) {
+    const std::string unit = " " + MassUnit(axis.kind);
+    return Refusal{.code = RefusalCode::kInvalidArgument,
+                   .reason = kMassLimit,
+                   .message = "A virtual mass of " + Figure(request.mass) + unit +
+                              " is outside the limits that are configured for this axis: ask for " +
+                              Figure(axis.mass_min) + " to " + Figure(axis.mass_max) + unit + ".",
+                   .metadata = {{"mass", Figure(request.mass)},
+                                {"mass_min", Figure(axis.mass_min)},
+                                {"mass_max", Figure(axis.mass_max)}}};
+  }
+  return std::nullopt;
+}
+
+Refusal UnstableMass(const StabilityReport& report, const AxisDescription& axis) {
+  const std::string unit = MassUnit(axis.kind);
+  Refusal refusal{.code = RefusalCode::kFailedPrecondition,
+                  .reason = kUnstableMass,
+                  .message = "A virtual mass of " + Figure(report.requested_mass) + " " + unit,
+                  .metadata = {{"mass", Figure(report.requested_mass)}},
+                  .stability = report};
+  const MassRange& range = report.range;
+  if (range.admitted.empty()) {
+    refusal.message +=
+        " cannot be rendered: " + range.admitted.empty_reason + " Only a mass of 0 is accepted.";
+    return refusal;
+  }
+  refusal.message += " is outside the admitted range of " + Range(range.admitted) + " " + unit +
+                     " (the loop is stable from " + Range(range.robust) + " " + unit + ", of which " +
+                     Figure(range.required_gain_margin_db) + " dB of gain margin are kept). " +
+                     Advice(report, unit);
+  refusal.metadata["nearest_admitted_mass"] = FigureTowardsZero(report.nearest_admitted_mass);
+  return refusal;
+}
+
+}  // namespace mwidth::gate
