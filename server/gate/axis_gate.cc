@@ -201,7 +201,10 @@ Result<LoopStatus> AxisGate::ClearFault(const std::string& lease_id) {
   if (!posted.ok()) {
     return posted.refusal();
   }
-  Result<LoopStatus> answer = Await(*posted, Acknowledged);
+  // A loop that still ramps down from the fault clears it afterwards.
+  Result<LoopStatus> answer = Await(*posted, [&posted](const LoopStatus& status) {
+    return status.state != State::kFault || status.fault.number > posted->cleared_fault_number;
+  });
   if (answer.ok() && answer->state == State::kFault) {
     return InFault(*answer);
   }

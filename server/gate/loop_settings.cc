@@ -64,7 +64,9 @@ void LoopSettings::ForgetMass() {
 Posted LoopSettings::Post() {
   ++settings_.sequence;
   crossing_.settings.Post(settings_);
-  return {.sequence = settings_.sequence, .render_epoch = settings_.render_epoch};
+  return {.sequence = settings_.sequence,
+          .render_epoch = settings_.render_epoch,
+          .cleared_fault_number = settings_.cleared_fault_number};
 }
 
 }  // namespace mwidth::gate

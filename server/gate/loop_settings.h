@@ -11,6 +11,7 @@ namespace mwidth::gate {
 struct Posted {
   uint64_t sequence = 0;
   uint64_t render_epoch = 0;
+  uint64_t cleared_fault_number = 0;
 };
 
 /// The gate's end of the crossing: the only writer of its settings and the only reader of its status.
