@@ -10,8 +10,8 @@ namespace mwidth::record {
 /// notification in which the subscription is destroyed.
 class Broadcast::Queue {
  public:
-  Queue(std::size_t max_samples, std::function<void()> notify)
-      : max_samples_(max_samples), notify_(std::move(notify)) {}
+  Queue(std::size_t max_samples, std::function<void()> notify, bool closed)
+      : max_samples_(max_samples), notify_(std::move(notify)), closed_(closed) {}
 
   void Offer(const std::shared_ptr<const SampleBlock>& block) {
     {
@@ -75,7 +75,7 @@ class Broadcast::Queue {
   std::deque<Delivery> deliveries_;
   std::size_t queued_samples_ = 0;
   uint64_t dropped_ = 0;
-  bool closed_ = false;
+  bool closed_;
 };
 
 Broadcast::Broadcast(BroadcastLimits limits) : limits_(limits) {}
@@ -83,11 +83,11 @@ Broadcast::Broadcast(BroadcastLimits limits) : limits_(limits) {}
 Broadcast::~Broadcast() = default;
 
 std::unique_ptr<Subscription> Broadcast::Subscribe(std::function<void()> notify) {
-  auto queue = std::make_shared<Queue>(limits_.max_queued_samples, std::move(notify));
   const std::lock_guard lock(mutex_);
-  if (closed_ || queues_.size() >= limits_.max_subscribers) {
+  if (queues_.size() >= limits_.max_subscribers) {
     return nullptr;
   }
+  auto queue = std::make_shared<Queue>(limits_.max_queued_samples, std::move(notify), closed_);
   queues_.push_back(queue);
   return std::unique_ptr<Subscription>(new Subscription(*this, std::move(queue)));
 }

@@ -45,8 +45,7 @@ class Broadcast final : public SampleSink {
 
   void Consume(std::shared_ptr<const SampleBlock> block) override;
 
-  /// Ends every subscription, once what it has queued is taken, and refuses new ones. Any thread, when nobody
-  /// consumes any more.
+  /// Ends every subscription, once what it has queued is taken. Any thread, when nobody consumes any more.
   void Close();
 
   /// Subscriptions that exist. Any thread.

@@ -1,0 +1,215 @@
+#include "server/record/batcher.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <random>
+#include <span>
+#include <stdexcept>
+#include <vector>
+
+#include "tests/server/record/samples.h"
+
+namespace mwidth::record {
+namespace {
+
+using exchange::Sample;
+using testing::ElementsAre;
+using testing::SizeIs;
+
+/// All batches out of `samples`, handed in `piece` samples at a time.
+std::vector<Batch> Cut(Batcher batcher, const std::vector<Sample>& samples, std::size_t piece) {
+  std::vector<Batch> batches(1);
+  for (std::size_t begin = 0; begin < samples.size(); begin += piece) {
+    std::span rest = std::span(samples).subspan(begin, std::min(piece, samples.size() - begin));
+    while (!rest.empty()) {
+      rest = rest.subspan(batcher.Fill(rest, batches.back()));
+      if (!rest.empty()) {
+        batches.emplace_back();
+      }
+    }
+  }
+  if (batches.back().samples.empty()) {
+    batches.pop_back();
+  }
+  return batches;
+}
+
+std::vector<uint64_t> Ticks(const Batch& batch) {
+  std::vector<uint64_t> ticks;
+  for (const Sample& sample : batch.samples) {
+    ticks.push_back(sample.tick);
+  }
+  return ticks;
+}
+
+TEST(BatcherTest, FillsBatchesUpToTheLimit) {
+  const std::vector<Batch> batches = Cut(Batcher(1, 4), *BlockOf(7, 10), 10);
+  ASSERT_THAT(batches, SizeIs(3));
+  EXPECT_THAT(Ticks(batches[0]), ElementsAre(7, 8, 9, 10));
+  EXPECT_THAT(Ticks(batches[1]), ElementsAre(11, 12, 13, 14));
+  EXPECT_THAT(Ticks(batches[2]), ElementsAre(15, 16));
+  EXPECT_EQ(batches[1].first_tick, 11);
+  EXPECT_EQ(batches[1].decimation, 1);
+  EXPECT_EQ(batches[1].missed_ticks_before + batches[1].dropped_ticks_before, 0);
+}
+
+TEST(BatcherTest, JoinsSamplesOfSeveralCallsIntoOneBatch) {
+  const std::vector<Batch> batches = Cut(Batcher(1, 100), *BlockOf(0, 10), 3);
+  ASSERT_THAT(batches, SizeIs(1));
+  EXPECT_THAT(batches[0].samples, SizeIs(10));
+}
+
+TEST(BatcherTest, AnAbsentTickBeginsANewBatchAndIsCounted) {
+  const std::vector<Sample> samples = {SampleAt(0), SampleAt(1), SampleAt(5), SampleAt(6)};
+  const std::vector<Batch> batches = Cut(Batcher(1, 100), samples, 100);
+  ASSERT_THAT(batches, SizeIs(2));
+  EXPECT_THAT(Ticks(batches[0]), ElementsAre(0, 1));
+  EXPECT_THAT(Ticks(batches[1]), ElementsAre(5, 6));
+  EXPECT_EQ(batches[1].first_tick, 5);
+  EXPECT_EQ(batches[1].missed_ticks_before, 0);
+  EXPECT_EQ(batches[1].dropped_ticks_before, 3);
+}
+
+TEST(BatcherTest, TellsTicksThatNeverRanFromTicksThatWereLost) {
+  // 2, 3 and one of 4..7 never ran.
+  const std::vector<Sample> samples = {SampleAt(1, 10), SampleAt(4, 12), SampleAt(8, 13)};
+  const std::vector<Batch> batches = Cut(Batcher(1, 100), samples, 100);
+  ASSERT_THAT(batches, SizeIs(3));
+  EXPECT_EQ(batches[1].missed_ticks_before, 2);
+  EXPECT_EQ(batches[1].dropped_ticks_before, 0);
+  EXPECT_EQ(batches[2].missed_ticks_before, 1);
+  EXPECT_EQ(batches[2].dropped_ticks_before, 2);
+}
+
+TEST(BatcherTest, NothingIsAbsentBeforeTheFirstSample) {
+  const std::vector<Batch> batches = Cut(Batcher(1, 100), {SampleAt(1000, 44)}, 1);
+  ASSERT_THAT(batches, SizeIs(1));
+  EXPECT_EQ(batches[0].missed_ticks_before, 0);
+  EXPECT_EQ(batches[0].dropped_ticks_before, 0);
+}
+
+TEST(BatcherTest, DecimationSelectsMultiplesWhereverTheStreamBegins) {
+  for (const uint64_t first_tick : {91u, 95u, 100u}) {
+    const std::vector<Batch> batches = Cut(Batcher(10, 100), *BlockOf(first_tick, 131 - first_tick), 7);
+    ASSERT_THAT(batches, SizeIs(1));
+    EXPECT_THAT(Ticks(batches[0]), ElementsAre(100, 110, 120, 130));
+    EXPECT_EQ(batches[0].decimation, 10);
+  }
+}
+
+TEST(BatcherTest, TellsTicksThatAreAbsentBetweenSelectedOnes) {
+  // 3 and 4 are lost, 5 never ran; 0 and 10 are there.
+  std::vector<Sample> samples = *BlockOf(0, 3);
+  for (const Sample& sample : *BlockOf(6, 5, 1)) {
+    samples.push_back(sample);
+  }
+  const std::vector<Batch> batches = Cut(Batcher(10, 100), samples, 100);
+  ASSERT_THAT(batches, SizeIs(2));
+  EXPECT_THAT(Ticks(batches[1]), ElementsAre(10));
+  EXPECT_EQ(batches[1].missed_ticks_before, 1);
+  EXPECT_EQ(batches[1].dropped_ticks_before, 2);
+}
+
+TEST(BatcherTest, AddsUpGapsUntilABatchCanTellThem) {
+  const std::vector<Sample> samples = {SampleAt(0), SampleAt(2), SampleAt(5), SampleAt(10)};
+  const std::vector<Batch> batches = Cut(Batcher(10, 100), samples, 1);
+  ASSERT_THAT(batches, SizeIs(2));
+  EXPECT_EQ(batches[1].dropped_ticks_before, 1 + 2 + 4);
+}
+
+TEST(BatcherTest, RefusesDecimationOrBatchOfZero) {
+  EXPECT_THROW(Batcher(0, 1), std::invalid_argument);
+  EXPECT_THROW(Batcher(1, 0), std::invalid_argument);
+}
+
+/// A loop that misses ticks and a record that drops them, at random; with the truth about both.
+struct LoopRun {
+  explicit LoopRun(std::mt19937& random) {
+    std::uniform_int_distribution<int> percent(0, 99);
+    const int absent_percent = percent(random) / 4;
+    uint64_t missed_ticks = 0;
+    for (uint64_t tick = random() % 1000; samples.size() < 500; ++tick) {
+      const bool absent = percent(random) < absent_percent;
+      const bool never_ran = absent && percent(random) < 50;
+      missed_ticks += never_ran ? 1 : 0;
+      if (!absent) {
+        missed = missed_ticks;
+        samples.push_back(SampleAt(tick, missed_ticks));
+      }
+    }
+    missed -= samples.front().missed_ticks;
+    dropped = samples.back().tick - samples.front().tick + 1 - samples.size() - missed;
+  }
+
+  std::vector<Sample> samples;
+  // Between the first sample and the last.
+  uint64_t missed = 0;
+  uint64_t dropped = 0;
+};
+
+TEST(BatcherTest, AccountsForEveryTickOfRandomRunsAtFullRate) {
+  std::mt19937 random(1);
+  for (int run_number = 0; run_number < 200; ++run_number) {
+    const LoopRun run(random);
+    const std::size_t max_batch = 1 + random() % 40;
+    const std::vector<Batch> batches = Cut(Batcher(1, max_batch), run.samples, 1 + random() % 50);
+    uint64_t missed = 0;
+    uint64_t dropped = 0;
+    std::size_t count = 0;
+    uint64_t next_tick = run.samples.front().tick;
+    for (const Batch& batch : batches) {
+      ASSERT_LE(batch.samples.size(), max_batch);
+      ASSERT_EQ(batch.first_tick, next_tick + batch.missed_ticks_before + batch.dropped_ticks_before);
+      for (std::size_t i = 0; i < batch.samples.size(); ++i, ++count) {
+        ASSERT_EQ(batch.samples[i].tick, batch.first_tick + i);
+        ASSERT_EQ(batch.samples[i].tick, run.samples[count].tick);
+      }
+      next_tick = batch.first_tick + batch.samples.size();
+      missed += batch.missed_ticks_before;
+      dropped += batch.dropped_ticks_before;
+    }
+    EXPECT_EQ(count, run.samples.size());
+    EXPECT_EQ(missed, run.missed);
+    EXPECT_EQ(dropped, run.dropped);
+  }
+}
+
+TEST(BatcherTest, AccountsForEveryTickOfRandomRunsAtAnyDecimation) {
+  std::mt19937 random(2);
+  for (int run_number = 0; run_number < 200; ++run_number) {
+    const LoopRun run(random);
+    const auto decimation = static_cast<uint32_t>(1 + random() % 12);
+    Batcher batcher(decimation, 1 + random() % 40);
+    // A last sample that is selected, so that a batch tells the gaps before it.
+    std::vector<Sample> samples = run.samples;
+    while (samples.back().tick % decimation != 0) {
+      samples.push_back(SampleAt(samples.back().tick + 1, samples.back().missed_ticks));
+    }
+    std::vector<uint64_t> selected;
+    for (const Sample& sample : samples) {
+      if (sample.tick % decimation == 0) {
+        selected.push_back(sample.tick);
+      }
+    }
+    uint64_t missed = 0;
+    uint64_t dropped = 0;
+    std::vector<uint64_t> ticks;
+    for (const Batch& batch : Cut(batcher, samples, 1 + random() % 50)) {
+      for (std::size_t i = 0; i < batch.samples.size(); ++i) {
+        ASSERT_EQ(batch.samples[i].tick, batch.first_tick + i * decimation);
+        ticks.push_back(batch.samples[i].tick);
+      }
+      missed += batch.missed_ticks_before;
+      dropped += batch.dropped_ticks_before;
+    }
+    EXPECT_EQ(ticks, selected);
+    EXPECT_EQ(missed, run.missed);
+    EXPECT_EQ(dropped, run.dropped);
+  }
+}
+
+}  // namespace
+}  // namespace mwidth::record
