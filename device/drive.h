@@ -22,8 +22,9 @@ struct Reading {
   int64_t position_counts = 0;
 };
 
-/// One motor with an encoder. All functions are called by the loop's thread and are Rt, except the constructors of
-/// the implementations, which throw std::runtime_error with what to do when the drive cannot be reached.
+/// One motor with an encoder. All functions are called by the loop's thread and are Rt, except the
+/// constructors of the implementations, which throw std::runtime_error with what to do when the drive cannot
+/// be reached.
 class Drive {
  public:
   Drive() = default;
@@ -36,11 +37,11 @@ class Drive {
   virtual bool Enable() noexcept = 0;
   /// Takes the force away. Always succeeds as far as the caller can do anything about it. Rt.
   virtual void Disable() noexcept = 0;
-  /// Samples the position at the start of `tick`. Ticks rise by one, or by more where the loop missed deadlines;
-  /// the force last written has acted since. Rt.
+  /// Samples the position at the start of `tick`. Ticks rise by one, or by more where the loop missed
+  /// deadlines; the force last written has acted since. Rt.
   virtual Reading Read(uint64_t tick) noexcept = 0;
-  /// Commands a force until the next write: counts of the paper's F_a, which acts against the positive direction.
-  /// False when the drive did not take it. Rt.
+  /// Commands a force until the next write: counts of the paper's F_a, which acts against the positive
+  /// direction. False when the drive did not take it. Rt.
   virtual bool Write(int32_t force_counts) noexcept = 0;
 };
 
