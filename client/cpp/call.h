@@ -1,0 +1,33 @@
+// One unary call: a deadline, and an exception where it fails.
+#pragma once
+
+#include <grpcpp/client_context.h>
+
+#include <chrono>
+
+#include "client/cpp/failure.h"
+
+namespace mwidth::client {
+
+/// Lets the call of `context` fail with DEADLINE_EXCEEDED after `timeout`.
+template <typename Duration>
+void SetTimeout(grpc::ClientContext& context, Duration timeout) {
+  // gRPC converts a system_clock deadline to its own monotonic clock when the call starts.
+  context.set_deadline(std::chrono::system_clock::now() +
+                       std::chrono::duration_cast<std::chrono::system_clock::duration>(timeout));
+}
+
+/// Calls `method` of `stub` and returns its response. Blocks; throws Error.
+template <typename Stub, typename Request, typename Response, typename Duration>
+Response Call(Stub& stub, grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),
+              const Request& request, Duration timeout) {
+  grpc::ClientContext context;
+  SetTimeout(context, timeout);
+  Response response;
+  if (const auto status = (stub.*method)(&context, request, &response); !status.ok()) {
+    throw Error(status);
+  }
+  return response;
+}
+
+}  // namespace mwidth::client

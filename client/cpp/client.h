@@ -1,0 +1,64 @@
+// A C++ client of mwidthd. example.cc shows it at work.
+#pragma once
+
+#include <grpcpp/channel.h>
+#include <mwidth/v1/rendering.grpc.pb.h>
+#include <mwidth/v1/stability.grpc.pb.h>
+#include <mwidth/v1/telemetry.grpc.pb.h>
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "client/cpp/control.h"
+#include "client/cpp/failure.h"
+#include "client/cpp/sample_stream.h"
+
+namespace mwidth::client {
+
+/// Default bound on every call and on the connection attempt.
+inline constexpr Seconds kCallTimeout{5};
+
+/// Everything that a client may ask of one server. An empty `axis` means the only one, as in the API.
+///
+/// All functions are safe from any thread, block for one round trip, and throw Error. The objects that it
+/// returns keep the connection for themselves and may outlive it.
+class Client {
+ public:
+  /// Connects to "HOST:PORT". Throws Error (UNAVAILABLE) at once where nobody listens, after `timeout` where
+  /// nobody answers. `timeout` then also bounds every call. Plain text: for the laboratory's own network.
+  static Client Connect(const std::string& address, Seconds timeout = kCallTimeout);
+  /// Uses a channel of the caller's making, connected or not.
+  explicit Client(const std::shared_ptr<grpc::ChannelInterface>& channel,
+                  Seconds call_timeout = kCallTimeout);
+
+  /// What the axes are and what they are doing; an empty `axis` means all.
+  v1::GetStateResponse State(const std::string& axis = "") const;
+  /// The same for one axis; throws Error (NOT_FOUND) where `axis` is empty and the server has several.
+  v1::AxisState Axis(const std::string& axis = "") const;
+  /// The M-width of the axis's loop, with the fields that are set in `overrides` in place of its own.
+  v1::GetMWidthResponse MWidth(const std::string& axis = "", const v1::LoopParameters& overrides = {}) const;
+  /// Zero force on the next tick, fault latched. For anyone, at any time, without a lease. An empty `axis`
+  /// means every one; the states after the stop are returned.
+  std::vector<v1::State> EmergencyStop(const std::string& reason, const std::string& axis = "") const;
+
+  /// Takes the control lease, renewed until the object goes. `client_name` is shown to people who look at the
+  /// state; an unset `ttl` means the server's own (1 s). Throws Error, with reason CONTROL_HELD where another
+  /// client has it.
+  Control AcquireControl(const std::string& client_name, const std::string& axis = "",
+                         std::optional<Seconds> ttl = std::nullopt) const;
+
+  /// Streams every `decimation`-th tick from now on in batches of at most `max_batch` samples (0: the
+  /// server's choice). Errors, an unknown axis among them, come from the stream's Next.
+  SampleStream Stream(const std::string& axis = "", uint32_t decimation = 1, uint32_t max_batch = 0) const;
+
+ private:
+  std::shared_ptr<v1::RenderingService::StubInterface> rendering_;
+  std::shared_ptr<v1::StabilityService::StubInterface> stability_;
+  std::shared_ptr<v1::TelemetryService::StubInterface> telemetry_;
+  Seconds call_timeout_;
+};
+
+}  // namespace mwidth::client
