@@ -103,9 +103,8 @@ TEST(BatcherTest, DecimationSelectsMultiplesWhereverTheStreamBegins) {
 TEST(BatcherTest, TellsTicksThatAreAbsentBetweenSelectedOnes) {
   // 3 and 4 are lost, 5 never ran; 0 and 10 are there.
   std::vector<Sample> samples = *BlockOf(0, 3);
-  for (const Sample& sample : *BlockOf(6, 5, 1)) {
-    samples.push_back(sample);
-  }
+  const auto rest = BlockOf(6, 5, 1);
+  samples.insert(samples.end(), rest->begin(), rest->end());
   const std::vector<Batch> batches = Cut(Batcher(10, 100), samples, 100);
   ASSERT_THAT(batches, SizeIs(2));
   EXPECT_THAT(Ticks(batches[1]), ElementsAre(10));

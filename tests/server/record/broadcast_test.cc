@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <random>
+#include <semaphore>
 #include <thread>
 #include <vector>
 
@@ -191,7 +192,7 @@ TEST(BroadcastTest, EndingASubscriptionWaitsForItsRunningNotification) {
 
 TEST(BroadcastTest, AccountsForEverySampleWhileSubscribersComeAndGo) {
   constexpr int kThreads = 4;
-  constexpr int kVisits = 50;
+  constexpr int kVisits = 20;
   Broadcast broadcast({.max_subscribers = kThreads, .max_queued_samples = 20});
   std::atomic<int> visitors = kThreads;
   std::vector<std::thread> threads;
@@ -200,12 +201,13 @@ TEST(BroadcastTest, AccountsForEverySampleWhileSubscribersComeAndGo) {
     threads.emplace_back([&, seed] {
       std::mt19937 random(static_cast<std::mt19937::result_type>(seed));
       for (int visit = 0; visit < kVisits; ++visit) {
-        std::atomic<int> notifications = 0;
-        const auto subscription = broadcast.Subscribe([&] { ++notifications; });
+        std::counting_semaphore notified(0);
+        const auto subscription = broadcast.Subscribe([&] { notified.release(); });
         ASSERT_NE(subscription, nullptr);
         Account account;
         const auto wanted = random() % 100;
         while (account.received < wanted) {
+          notified.acquire();
           account.TakeAll(*subscription);
         }
         EXPECT_TRUE(account.consistent);
@@ -217,6 +219,7 @@ TEST(BroadcastTest, AccountsForEverySampleWhileSubscribersComeAndGo) {
   while (visitors > 0) {
     broadcast.Consume(BlockOf(tick, 7));
     tick += 7;
+    std::this_thread::yield();
   }
   for (std::thread& thread : threads) {
     thread.join();
