@@ -39,9 +39,9 @@ struct ParameterError {
   std::string Message() const;
 };
 
-/// The first parameter that the model does not support, if any: device_mass 1e-6..1e4; device_damping, hand_mass,
-/// hand_damping 0..1e4; hand_stiffness 0..1e6; period_s 1e-5..1e-2; cutoff_hz above 0, at most 0.5/period_s;
-/// delay_s 0..3 period_s.
+/// The first parameter that the model does not support, if any: device_mass 1e-6..1e4; device_damping,
+/// hand_mass, hand_damping 0..1e4; hand_stiffness 0..1e6; period_s 1e-5..1e-2; cutoff_hz above 0, at most
+/// 0.5/period_s; delay_s 0..3 period_s.
 std::optional<ParameterError> Validate(const LoopParameters& loop);
 
 }  // namespace mwidth::model

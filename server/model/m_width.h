@@ -20,8 +20,8 @@ struct Edge {
 struct MWidth {
   Edge lower;
   Edge upper;
-  /// Not empty where not even M = 0 is asymptotically stable (both damping terms zero with a spring); then the
-  /// edges mean nothing.
+  /// Not empty where not even M = 0 is asymptotically stable (both damping terms zero with a spring); then
+  /// the edges mean nothing.
   std::string empty_reason;
 
   bool empty() const { return !empty_reason.empty(); }
@@ -34,12 +34,14 @@ struct MWidth {
 /// allocates nothing but the reason of an empty result. Any thread.
 MWidth ComputeMWidth(const LoopParameters& loop);
 
-/// Factor by which `mass` may grow before it leaves the M-width (eq. 15): above 1 stable, below 1 unstable, infinite
-/// at a mass of 0, 0 where the M-width is empty. Not in decibels.
+/// Factor by which `mass` may grow before it leaves the M-width (eq. 15): above 1 stable, below 1 unstable,
+/// infinite at a mass of 0, 0 where the M-width is empty. Not in decibels.
 double GainMargin(const MWidth& m_width, double mass);
 
-/// Highest cut-off frequency at most `loop.cutoff_hz` at which `mass`, grown by `gain_margin`, is inside the M-width
-/// of `loop` otherwise unchanged; none where no cut-off down to 0.1 Hz admits it. Relative accuracy 1e-6, from below.
+/// Highest cut-off frequency at most `loop.cutoff_hz` at which `mass`, grown by `gain_margin`, is inside the
+/// M-width of `loop` otherwise unchanged; none where no cut-off down to 0.1 Hz admits it. Relative accuracy
+/// 1e-6, from below: the answer itself admits the mass. The search goes down in steps of 3 %, so a narrower
+/// island of admitting cut-offs may be passed over in favour of a lower answer. Precondition as above.
 std::optional<double> HighestAdmittingCutoffHz(const LoopParameters& loop, double mass, double gain_margin);
 
 }  // namespace mwidth::model

@@ -1,0 +1,90 @@
+#include "server/model/m_width.h"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "server/model/crossing.h"
+#include "server/model/plant.h"
+
+namespace mwidth::model {
+namespace {
+
+constexpr double kLowestCutoffHz = 0.1;
+
+// Frequency of z = e^(jt).
+double CriticalHz(const Crossing& crossing, double period_s) noexcept {
+  const double half_angle =
+      std::atan2(std::sqrt(crossing.half_sine_squared), std::sqrt(1 - crossing.half_sine_squared));
+  return half_angle / (std::numbers::pi * period_s);
+}
+
+}  // namespace
+
+MWidth ComputeMWidth(const LoopParameters& loop) {
+  MWidth m_width;
+  const SampledPlant plant = Discretize(loop);
+  if (plant.loss == 0 && loop.hand_stiffness > 0) {
+    m_width.empty_reason =
+        "without damping (device_damping and hand_damping are 0) the hand's spring and the mass swing for "
+        "ever, "
+        "whatever mass is rendered";
+    return m_width;
+  }
+  const double filter_gap = -std::expm1(-2 * std::numbers::pi * loop.cutoff_hz * loop.period_s);
+  // A rising mass, and a falling one, first meets the crossing nearest to 0 on its side. There is one on
+  // each: the loop's numerator is one degree below its denominator, so a large enough mass drives a root to
+  // infinity.
+  Crossing lower{.mass = -std::numeric_limits<double>::infinity()};
+  Crossing upper{.mass = std::numeric_limits<double>::infinity()};
+  for (const Crossing& crossing : FindCrossings(plant, filter_gap, loop.device_mass + loop.hand_mass)) {
+    if (crossing.mass > 0 && crossing.mass < upper.mass) {
+      upper = crossing;
+    } else if (crossing.mass < 0 && crossing.mass > lower.mass) {
+      lower = crossing;
+    }
+  }
+  m_width.lower = {.mass = lower.mass, .critical_hz = CriticalHz(lower, loop.period_s)};
+  m_width.upper = {.mass = upper.mass, .critical_hz = CriticalHz(upper, loop.period_s)};
+  return m_width;
+}
+
+double GainMargin(const MWidth& m_width, double mass) {
+  if (m_width.empty() || std::isnan(mass)) {
+    return 0;
+  }
+  if (mass == 0) {
+    return std::numeric_limits<double>::infinity();
+  }
+  return (mass > 0 ? m_width.upper.mass : m_width.lower.mass) / mass;
+}
+
+std::optional<double> HighestAdmittingCutoffHz(const LoopParameters& loop, double mass, double gain_margin) {
+  const double needed = mass * gain_margin;
+  const auto admits = [&](double cutoff_hz) {
+    LoopParameters candidate = loop;
+    candidate.cutoff_hz = cutoff_hz;
+    return ComputeMWidth(candidate).Contains(needed);
+  };
+  double refused = loop.cutoff_hz;
+  if (admits(refused)) {
+    return refused;
+  }
+  // An edge need not move one way with the cut-off: the search goes down until the mass is inside.
+  constexpr double kStep = 0.97;
+  double admitted = refused;
+  do {
+    if (admitted <= kLowestCutoffHz) {
+      return std::nullopt;
+    }
+    refused = admitted;
+    admitted = std::fmax(refused * kStep, kLowestCutoffHz);
+  } while (!admits(admitted));
+  while (refused - admitted > 1e-7 * admitted) {
+    const double middle = admitted + (refused - admitted) / 2;
+    (admits(middle) ? admitted : refused) = middle;
+  }
+  return admitted;
+}
+
+}  // namespace mwidth::model

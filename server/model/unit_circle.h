@@ -1,0 +1,79 @@
+// Arithmetic on the unit circle z = e^(jt), written with half angles so that nothing cancels near z = 1.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include "server/model/real_roots.h"
+
+namespace mwidth::model {
+
+/// z = e^(jt) by s = sin^2(t/2) and c = cos^2(t/2): |z - 1|^2 = 4 s, Re z = c - s, sin^2(t) = 4 s c.
+struct CirclePoint {
+  double s = 0;
+  double c = 1;
+};
+
+inline CirclePoint PointAt(double half_sine_squared) noexcept {
+  return {half_sine_squared, 1 - half_sine_squared};
+}
+
+/// The complex number re + j sin(t) im, with the sizes that re and im would have if nothing cancelled: the
+/// rounding error of each is a few units in the last place of its size.
+struct CircleValue {
+  double re = 0;
+  double im = 0;
+  double re_size = 0;
+  double im_size = 0;
+};
+
+/// value (factor - j sin(t)); `factor_size` is the size of the real `factor`. Rt.
+inline CircleValue TimesConjugate(const CircleValue& value, double factor, double factor_size,
+                                  const CirclePoint& at) noexcept {
+  const double sine_squared = 4 * at.s * at.c;
+  return {value.re * factor + sine_squared * value.im, value.im * factor - value.re,
+          value.re_size * factor_size + sine_squared * value.im_size,
+          value.im_size * factor_size + value.re_size};
+}
+
+/// A real polynomial in c and s, homogeneous: sum over i of form[i] c^(degree - i) s^i. Every polynomial in
+/// cos t has this shape because c + s = 1; its coefficients near t = 0 stay exact where powers of cos t would
+/// cancel.
+using Form = std::array<double, kMaxRootDegree + 1>;
+
+/// Value of a form. Rt.
+inline double Evaluate(const Form& form, int degree, const CirclePoint& at) noexcept {
+  double value = form[0];
+  double power = 1;
+  for (int i = 1; i <= degree; ++i) {
+    power *= at.s;
+    value = value * at.c + form[static_cast<size_t>(i)] * power;
+  }
+  return value;
+}
+
+/// re + j sin(t) im, all along the circle: re is of degree `degree`, im of one less.
+struct CircleForm {
+  Form re{};
+  Form im{};
+  int degree = 0;
+};
+
+/// form (at_c c + at_s s - j sin(t)). Precondition: form.degree < kMaxRootDegree. Rt.
+inline CircleForm TimesConjugate(const CircleForm& form, double at_c, double at_s) noexcept {
+  CircleForm product;
+  product.degree = form.degree + 1;
+  for (int k = 0; k <= product.degree; ++k) {
+    const auto i = static_cast<size_t>(k);
+    const double re = k <= form.degree ? form.re[i] : 0;
+    const double re_before = k > 0 ? form.re[i - 1] : 0;
+    const double im = k < form.degree ? form.im[i] : 0;
+    const double im_before = k > 0 ? form.im[i - 1] : 0;
+    product.re[i] = at_c * re + at_s * re_before + 4 * im_before;
+    product.im[i] = at_c * im + at_s * im_before - re;
+  }
+  return product;
+}
+
+}  // namespace mwidth::model
