@@ -34,6 +34,10 @@ class Mailbox {  // NOLINT(clang-analyzer-optin.performance.Padding): a cache li
     return true;
   }
 
+  /// The value last taken, or T{} before the first: what a reader that is made anew inherits. Reader only.
+  /// Rt.
+  const T& Held() const noexcept { return slots_[reading_]; }
+
  private:
   static constexpr uint32_t kIndex = 3;
   static constexpr uint32_t kFresh = 4;

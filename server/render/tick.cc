@@ -7,10 +7,11 @@
 namespace mwidth::render {
 namespace {
 
+// What was set before, taken by a loop before this one or not.
 exchange::Settings TakeHistory(exchange::Crossing& crossing) noexcept {
-  exchange::Settings history;
-  crossing.settings.Take(history);
-  return history;
+  exchange::Settings newest;
+  crossing.settings.Take(newest);
+  return crossing.settings.Held();
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ namespace mwidth::render {
 /// counts: the force that the drive was given. The loop's thread, except the constructor; all but that is Rt.
 class Tick {
  public:
-  /// Settings that lie in the mailbox already are history: see Supervisor.
+  /// Settings that were posted before are history, taken by another loop or not: see Supervisor.
   Tick(const LoopConfig& config, device::Drive& drive, exchange::Crossing& crossing) noexcept;
 
   /// Runs tick number `tick`, at `now_ns`, after `missed_ticks` were skipped (so it is that many plus one

@@ -1,0 +1,227 @@
+#include "server/render/loop.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <mutex>
+#include <stdexcept>
+#include <vector>
+
+#include "tests/server/render/axis.h"
+
+namespace mwidth::render {
+namespace {
+
+using exchange::Sample;
+using exchange::State;
+
+constexpr int64_t kPeriodNs = 1'000'000;
+
+// Time that passes when the test says so: each sleep waits for a wake, which may come late.
+class SteppedClock final : public exchange::Clock {
+ public:
+  int64_t NowNs() const noexcept override {
+    const std::lock_guard lock(mutex_);
+    return now_ns_;
+  }
+  void SleepUntilNs(int64_t deadline_ns) noexcept override {
+    std::unique_lock lock(mutex_);
+    asleep_ = true;
+    changed_.notify_all();
+    changed_.wait(lock, [this] { return wake_ || free_; });
+    wake_ = asleep_ = false;
+    now_ns_ = deadline_ns + late_ns_;
+    deadlines_ns.push_back(deadline_ns);
+  }
+  /// Wakes the loop `late_ns` after its deadline, and returns when it sleeps again.
+  void Wake(int64_t late_ns = 0) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return asleep_; });
+    late_ns_ = late_ns;
+    wake_ = true;
+    asleep_ = false;
+    changed_.notify_all();
+    changed_.wait(lock, [this] { return asleep_; });
+  }
+  /// Never keeps the loop asleep again.
+  void Free() {
+    const std::lock_guard lock(mutex_);
+    late_ns_ = 0;
+    free_ = true;
+    changed_.notify_all();
+  }
+
+  std::vector<int64_t> deadlines_ns;
+
+ private:
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  int64_t now_ns_ = 5'000'000'000;
+  int64_t late_ns_ = 0;
+  bool asleep_ = false;
+  bool wake_ = false;
+  bool free_ = false;
+};
+
+class LoopTest : public testing::Test {
+ protected:
+  void Start() {
+    loop = std::make_unique<Loop>(drive, *crossing, clock, TestConfig());
+    report = loop->Start();
+  }
+  Sample Next(int64_t late_ns = 0) {
+    clock.Wake(late_ns);
+    Sample sample;
+    EXPECT_TRUE(crossing->samples.Pop(sample));
+    return sample;
+  }
+  void TearDown() override { clock.Free(); }
+
+  ScriptedDrive drive;
+  std::unique_ptr<exchange::Crossing> crossing = std::make_unique<exchange::Crossing>();
+  SteppedClock clock;
+  RealtimeReport report;
+  std::unique_ptr<Loop> loop;
+};
+
+TEST_F(LoopTest, TicksAtAbsoluteDeadlinesHoweverLateEachWakeIs) {
+  Start();
+  for (int64_t k = 1; k <= 20; ++k) {
+    const int64_t late_ns = k % 2 == 0 ? kPeriodNs - 1 : 0;
+    const Sample sample = Next(late_ns);
+    EXPECT_EQ(sample.tick, k);
+    EXPECT_EQ(sample.missed_ticks, 0);
+    EXPECT_EQ(sample.monotonic_ns, 5'000'000'000 + k * kPeriodNs + late_ns);
+  }
+}
+
+TEST_F(LoopTest, SkipsAndCountsMissedDeadlinesAndNeverReplaysThem) {
+  Start();
+  Next();
+  Next();
+  const Sample late = Next(3 * kPeriodNs + kPeriodNs / 2);
+  EXPECT_EQ(late.tick, 6);
+  EXPECT_EQ(late.missed_ticks, 3);
+  const Sample after = Next();
+  EXPECT_EQ(after.tick, 7);
+  EXPECT_EQ(after.missed_ticks, 3);
+  EXPECT_EQ(after.monotonic_ns, 5'000'000'000 + 7 * kPeriodNs);
+  EXPECT_EQ(Next(kPeriodNs).tick, 9);
+}
+
+TEST_F(LoopTest, RampsDownAndDisablesTheDriveWhenItStops) {
+  Start();
+  crossing->settings.Post({.sequence = 1,
+                           .rendering = true,
+                           .render_epoch = 1,
+                           .mass = 0.5,
+                           .ramp_s = 0,
+                           .lease_deadline_ns = std::numeric_limits<int64_t>::max()});
+  EXPECT_EQ(Next().state, State::kRendering);
+  EXPECT_EQ(Next().mass, 0.5);
+  clock.Free();
+  loop->Stop();
+  Sample sample;
+  double last_mass = 0.5;
+  uint64_t ramp_ticks = 0;
+  while (crossing->samples.Pop(sample)) {
+    EXPECT_LE(sample.mass, last_mass);
+    ramp_ticks += sample.mass < last_mass ? 1 : 0;
+    last_mass = sample.mass;
+  }
+  EXPECT_EQ(ramp_ticks, 200);
+  EXPECT_EQ(last_mass, 0);
+  EXPECT_FALSE(drive.enabled);
+  exchange::LoopStatus status;
+  ASSERT_TRUE(crossing->status.Take(status));
+  EXPECT_EQ(status.state, State::kIdle);
+  EXPECT_EQ(status.renderings_ended, 1);
+}
+
+TEST_F(LoopTest, DisablesTheDriveWhenItIsDestroyed) {
+  Start();
+  clock.Free();
+  loop.reset();
+  EXPECT_GE(drive.disables, 1);
+}
+
+TEST_F(LoopTest, ReportsThatRealTimeWasNotAskedFor) {
+  Start();
+  EXPECT_FALSE(report.realtime);
+  EXPECT_THAT(report.message, testing::HasSubstr("not asked for"));
+}
+
+TEST_F(LoopTest, NeverMissesATickOnASimulatedClock) {
+  exchange::SimulatedClock simulated(1e6);
+  Loop fast(drive, *crossing, simulated, TestConfig());
+  fast.Start();
+  Sample sample;
+  for (uint64_t last = 0; last < 3000;) {
+    if (crossing->samples.Pop(sample)) {
+      ASSERT_EQ(sample.missed_ticks, 0);
+      ASSERT_GT(sample.tick, last);
+      last = sample.tick;
+    }
+  }
+  fast.Stop();
+}
+
+struct BadConfig {
+  const char* field;
+  std::function<void(LoopConfig&)> spoil;
+};
+
+class LoopConfigTest : public testing::TestWithParam<BadConfig> {};
+
+TEST_P(LoopConfigTest, RefusesAFieldThatIsOutOfRangeByItsName) {
+  ScriptedDrive drive;
+  const auto crossing = std::make_unique<exchange::Crossing>();
+  exchange::SimulatedClock clock(1);
+  LoopConfig config = TestConfig();
+  EXPECT_NO_THROW(Loop(drive, *crossing, clock, config));
+  GetParam().spoil(config);
+  try {
+    const Loop loop(drive, *crossing, clock, config);
+    FAIL() << "accepted a bad " << GetParam().field;
+  } catch (const std::invalid_argument& error) {
+    EXPECT_THAT(error.what(), testing::StartsWith(std::string(GetParam().field) + " is "));
+    EXPECT_THAT(error.what(), testing::HasSubstr("allowed is"));
+  }
+}
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+INSTANTIATE_TEST_SUITE_P(
+    Fields, LoopConfigTest,
+    testing::Values(BadConfig{"period_s", [](LoopConfig& c) { c.period_s = 0.9e-4; }},
+                    BadConfig{"period_s", [](LoopConfig& c) { c.period_s = 1.1e-2; }},
+                    BadConfig{"period_s", [](LoopConfig& c) { c.period_s = kNan; }},
+                    BadConfig{"cutoff_hz", [](LoopConfig& c) { c.cutoff_hz = 0; }},
+                    BadConfig{"cutoff_hz", [](LoopConfig& c) { c.cutoff_hz = 501; }},
+                    BadConfig{"force_limit", [](LoopConfig& c) { c.force_limit = 0; }},
+                    BadConfig{"force_limit", [](LoopConfig& c) { c.force_limit = kNan; }},
+                    BadConfig{"position_min", [](LoopConfig& c) { c.position_min = kNan; }},
+                    BadConfig{"position_max", [](LoopConfig& c) { c.position_max = c.position_min; }},
+                    BadConfig{"velocity_limit", [](LoopConfig& c) { c.velocity_limit = kNan; }},
+                    BadConfig{"max_missed_ticks", [](LoopConfig& c) { c.max_missed_ticks = 17; }},
+                    BadConfig{"fault_ramp_s", [](LoopConfig& c) { c.fault_ramp_s = 0.051; }},
+                    BadConfig{"priority", [](LoopConfig& c) { c.realtime.priority = 100; }}),
+    [](const auto& spoiled) {
+      return std::string(spoiled.param.field) + "_" + std::to_string(spoiled.index);
+    });
+
+TEST(LoopConfigTest, RefusesADriveWithoutAQuantum) {
+  ScriptedDrive drive;
+  drive.info.force_quantum = 0;
+  const auto crossing = std::make_unique<exchange::Crossing>();
+  exchange::SimulatedClock clock(1);
+  EXPECT_THROW(Loop(drive, *crossing, clock, TestConfig()), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace mwidth::render

@@ -1,0 +1,52 @@
+// A drive that does what a test says, and remembers what was asked of it.
+#pragma once
+
+#include <cstdint>
+
+#include "device/drive.h"
+
+namespace mwidth::render {
+
+class ScriptedDrive final : public device::Drive {
+ public:
+  device::DriveInfo Info() const noexcept override { return info; }
+  bool Enable() noexcept override {
+    ++enables;
+    enabled = accepts_enable;
+    acting_counts = 0;
+    return enabled;
+  }
+  void Disable() noexcept override {
+    ++disables;
+    enabled = false;
+    acting_counts = 0;
+  }
+  device::Reading Read(uint64_t) noexcept override {
+    return {.ok = answers_reads, .position_counts = answers_reads ? position_counts : INT64_MIN};
+  }
+  bool Write(int32_t force_counts) noexcept override {
+    ++writes;
+    writes_while_disabled += enabled ? 0 : 1;
+    if (takes_writes && enabled) {
+      acting_counts = force_counts;
+    }
+    return takes_writes;
+  }
+
+  // What the drive does.
+  device::DriveInfo info = {.position_quantum = 1e-6, .force_quantum = 1e-3, .simulated = true};
+  int64_t position_counts = 0;
+  bool answers_reads = true;
+  bool takes_writes = true;
+  bool accepts_enable = true;
+
+  // What was asked of it, and the force that the motor now makes.
+  bool enabled = false;
+  int32_t acting_counts = 0;
+  int enables = 0;
+  int disables = 0;
+  int writes = 0;
+  int writes_while_disabled = 0;
+};
+
+}  // namespace mwidth::render

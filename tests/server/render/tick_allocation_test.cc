@@ -1,0 +1,109 @@
+// Counts what the process allocates, by standing in for the C library's allocator.
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <new>
+
+#include "tests/server/render/axis.h"
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define MWIDTH_ALLOCATOR_IS_THE_SANITIZERS 1
+#else
+#define MWIDTH_ALLOCATOR_IS_THE_SANITIZERS 0
+#endif
+
+namespace {
+
+std::atomic<uint64_t> allocations{0};
+
+}  // namespace
+
+#if !MWIDTH_ALLOCATOR_IS_THE_SANITIZERS
+// glibc's own names for the functions that are replaced; operator new ends in malloc.
+// NOLINTBEGIN(bugprone-reserved-identifier,cert-dcl37-c,cert-dcl51-cpp,readability-identifier-naming)
+extern "C" {
+void* __libc_malloc(std::size_t size);
+void* __libc_calloc(std::size_t count, std::size_t size);
+void* __libc_realloc(void* memory, std::size_t size);
+void* __libc_memalign(std::size_t alignment, std::size_t size);
+
+void* malloc(std::size_t size) noexcept {
+  allocations.fetch_add(1);
+  return __libc_malloc(size);
+}
+void* calloc(std::size_t count, std::size_t size) noexcept {
+  allocations.fetch_add(1);
+  return __libc_calloc(count, size);
+}
+void* realloc(void* memory, std::size_t size) noexcept {
+  allocations.fetch_add(1);
+  return __libc_realloc(memory, size);
+}
+void* aligned_alloc(std::size_t alignment, std::size_t size) noexcept {
+  allocations.fetch_add(1);
+  return __libc_memalign(alignment, size);
+}
+}
+// NOLINTEND(bugprone-reserved-identifier,cert-dcl37-c,cert-dcl51-cpp,readability-identifier-naming)
+#endif
+
+namespace mwidth::render {
+namespace {
+
+class TickAllocationTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (MWIDTH_ALLOCATOR_IS_THE_SANITIZERS != 0) {
+      GTEST_SKIP() << "the sanitizer brings its own allocator";
+    }
+  }
+};
+
+TEST_F(TickAllocationTest, TheCounterSeesAllocations) {
+  const uint64_t before = allocations.load();
+  auto* memory = new (std::nothrow) volatile int(3);
+  EXPECT_GT(allocations.load(), before);
+  delete memory;
+}
+
+TEST_F(TickAllocationTest, NoTickAllocatesInAnyState) {
+  Axis axis;
+  const uint64_t before = allocations.load();
+  axis.RunTicks(100);
+  axis.RenderSwinging(0.3);
+  axis.Swing(3);
+  axis.drive.answers_reads = false;
+  axis.Swing();
+  axis.drive.answers_reads = true;
+  axis.StopRendering();
+  axis.RunTicks(300);
+  axis.Start(-0.1, 0.01);
+  axis.RunTicks(50);
+  axis.SetPosition(2);  // A position and velocity fault, its ramp, and the disabled drive after it.
+  axis.RunTicks(100);
+  axis.ClearFault();
+  axis.RunTicks(10);
+  axis.SetPosition(0);
+  axis.Start(0.2, 0);
+  axis.RunTicks(10);
+  axis.settings.mass = std::nan("");
+  axis.Post();
+  axis.RunTicks(10);
+  axis.EmergencyStop();
+  axis.RunTicks(10);
+  // Enough to fill the ring: dropping must not allocate either.
+  for (uint64_t k = 0; k < exchange::kSampleRingCapacity + 10; ++k) {
+    axis.tick_under_test().Run(++axis.tick, axis.now_ns, 0);
+  }
+  axis.tick_under_test().Close();
+  const uint64_t after = allocations.load();
+  EXPECT_EQ(after - before, 0);
+  EXPECT_EQ(axis.status.fault.fault, exchange::Fault::kEmergencyStop);
+}
+
+}  // namespace
+}  // namespace mwidth::render
