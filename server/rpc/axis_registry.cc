@@ -43,10 +43,11 @@ gate::Result<const Axis*> AxisRegistry::Find(const std::string& name) const {
                          .message = "This server has several axes: name one of " + Names(axes_) + ".",
                          .metadata = {{"axes", Names(axes_)}}};
   }
+  // The name is not repeated: a client may have sent anything, of any length.
   return gate::Refusal{.code = gate::RefusalCode::kNotFound,
                        .reason = gate::kUnknownAxis,
-                       .message = "There is no axis '" + name + "': name one of " + Names(axes_) + ".",
-                       .metadata = {{"axis", name}, {"axes", Names(axes_)}}};
+                       .message = "There is no axis of that name: ask for " + Names(axes_) + ".",
+                       .metadata = {{"axes", Names(axes_)}}};
 }
 
 }  // namespace mwidth::rpc

@@ -1,0 +1,183 @@
+#include "server/rpc/rendering_service.h"
+
+#include <algorithm>
+#include <iostream>
+#include <utility>
+
+#include "server/gate/axis_gate.h"
+#include "server/rpc/convert.h"
+#include "server/rpc/on_axis.h"
+
+namespace mwidth::rpc {
+namespace {
+
+using exchange::LoopStatus;
+using gate::AxisGate;
+
+constexpr std::size_t kMaxReasonBytes = 200;
+
+void Describe(AxisGate& gate, v1::AxisState& message) {
+  const gate::AxisDescription& axis = gate.description();
+  const LoopStatus status = gate.Status();
+  Convert(axis, *message.mutable_info());
+  message.set_state(Convert(status.state));
+  if (status.state == exchange::State::kFault) {
+    Convert(status.fault, *message.mutable_fault());
+  }
+  message.set_tick(status.tick);
+  message.set_position(status.position);
+  message.set_velocity(status.velocity);
+  message.set_force(status.force);
+  message.set_mass(status.mass);
+  message.set_target_mass(status.target_mass);
+  message.set_missed_ticks(status.missed_ticks);
+  message.set_dropped_samples(gate.dropped_samples());
+  message.set_controller(gate.Controller());
+  message.set_realtime(axis.realtime);
+  message.set_realtime_message(axis.realtime_message);
+  Convert(gate.stability().range(), *message.mutable_m_width());
+}
+
+/// On one line of the log, whatever a client sent.
+std::string Printable(std::string text) {
+  text.resize(std::min(text.size(), kMaxReasonBytes));
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char byte) { return byte < ' ' || byte == 0x7f; }, ' ');
+  return text;
+}
+
+}  // namespace
+
+RenderingService::RenderingService(const AxisRegistry& axes, std::string server_version)
+    : axes_(axes), server_version_(std::move(server_version)) {}
+
+gate::Result<std::vector<const Axis*>> RenderingService::FindOneOrAll(const std::string& name) const {
+  std::vector<const Axis*> found;
+  if (name.empty()) {
+    for (const Axis& axis : axes_.axes()) {
+      found.push_back(&axis);
+    }
+    return found;
+  }
+  const gate::Result<const Axis*> axis = axes_.Find(name);
+  if (!axis.ok()) {
+    return axis.refusal();
+  }
+  found.push_back(*axis);
+  return found;
+}
+
+grpc::Status RenderingService::GetState(grpc::ServerContext*, const v1::GetStateRequest* request,
+                                        v1::GetStateResponse* response) {
+  return Guarded("GetState", [&] {
+    const auto axes = FindOneOrAll(request->axis());
+    if (!axes.ok()) {
+      return ToStatus(axes.refusal());
+    }
+    for (const Axis* axis : *axes) {
+      Describe(axis->gate, *response->add_axes());
+    }
+    response->set_server_version(server_version_);
+    return grpc::Status::OK;
+  });
+}
+
+grpc::Status RenderingService::AcquireControl(grpc::ServerContext*, const v1::AcquireControlRequest* request,
+                                              v1::AcquireControlResponse* response) {
+  const double ttl_s = request->has_ttl() ? Seconds(request->ttl()) : gate::kDefaultLeaseTtlS;
+  return OnAxis(
+      "AcquireControl", axes_, request->axis(),
+      [&](AxisGate& gate) { return gate.AcquireControl(request->client_name(), ttl_s); },
+      [&](const gate::Lease& lease) { Convert(lease, *response->mutable_lease()); });
+}
+
+grpc::Status RenderingService::RenewControl(grpc::ServerContext*, const v1::RenewControlRequest* request,
+                                            v1::RenewControlResponse* response) {
+  return OnAxis(
+      "RenewControl", axes_, request->axis(),
+      [&](AxisGate& gate) { return gate.RenewControl(request->lease_id()); },
+      [&](const gate::Lease& lease) { Convert(lease, *response->mutable_lease()); });
+}
+
+grpc::Status RenderingService::ReleaseControl(grpc::ServerContext*, const v1::ReleaseControlRequest* request,
+                                              v1::ReleaseControlResponse*) {
+  return OnAxis(
+      "ReleaseControl", axes_, request->axis(),
+      [&](AxisGate& gate) { return gate.ReleaseControl(request->lease_id()); }, [](const LoopStatus&) {});
+}
+
+grpc::Status RenderingService::StartRendering(grpc::ServerContext*, const v1::StartRenderingRequest* request,
+                                              v1::StartRenderingResponse* response) {
+  return OnAxis(
+      "StartRendering", axes_, request->axis(),
+      [&](AxisGate& gate) { return gate.StartRendering(request->lease_id()); },
+      [&](const LoopStatus& status) {
+        response->set_state(Convert(status.state));
+        response->set_tick(status.tick);
+      });
+}
+
+grpc::Status RenderingService::StopRendering(grpc::ServerContext*, const v1::StopRenderingRequest* request,
+                                             v1::StopRenderingResponse* response) {
+  return OnAxis(
+      "StopRendering", axes_, request->axis(),
+      [&](AxisGate& gate) { return gate.StopRendering(request->lease_id()); },
+      [&](const LoopStatus& status) {
+        response->set_state(Convert(status.state));
+        response->set_tick(status.tick);
+      });
+}
+
+grpc::Status RenderingService::SetMass(grpc::ServerContext*, const v1::SetMassRequest* request,
+                                       v1::SetMassResponse* response) {
+  const gate::MassRequest mass{
+      .mass = request->mass(),
+      .validate_only = request->validate_only(),
+      .ramp_s = request->has_ramp() ? Seconds(request->ramp()) : gate::kDefaultRampS};
+  return OnAxis(
+      "SetMass", axes_, request->axis(),
+      [&](AxisGate& gate) { return gate.SetMass(request->lease_id(), mass); },
+      [&](const gate::MassGrant& grant) {
+        response->set_mass(grant.mass);
+        Convert(grant.stability, *response->mutable_stability());
+        response->set_tick(grant.tick);
+      });
+}
+
+grpc::Status RenderingService::EmergencyStop(grpc::ServerContext* context,
+                                             const v1::EmergencyStopRequest* request,
+                                             v1::EmergencyStopResponse* response) {
+  return Guarded("EmergencyStop", [&] {
+    const auto axes = FindOneOrAll(request->axis());
+    if (!axes.ok()) {
+      return ToStatus(axes.refusal());
+    }
+    // Every axis is told before any is waited for.
+    std::vector<gate::Posted> posted;
+    for (const Axis* axis : *axes) {
+      posted.push_back(axis->gate.PostEmergencyStop());
+    }
+    std::cerr << "mwidthd: emergency stop by " << context->peer() << ": " << Printable(request->reason())
+              << std::endl;
+    grpc::Status answer;
+    for (std::size_t i = 0; i < posted.size(); ++i) {
+      const gate::Result<LoopStatus> stopped = (*axes)[i]->gate.AwaitEmergencyStop(posted[i]);
+      if (stopped.ok()) {
+        response->add_states(Convert(stopped->state));
+      } else {
+        answer = ToStatus(stopped.refusal());
+      }
+    }
+    return answer;
+  });
+}
+
+grpc::Status RenderingService::ClearFault(grpc::ServerContext*, const v1::ClearFaultRequest* request,
+                                          v1::ClearFaultResponse* response) {
+  return OnAxis(
+      "ClearFault", axes_, request->axis(),
+      [&](AxisGate& gate) { return gate.ClearFault(request->lease_id()); },
+      [&](const LoopStatus& status) { response->set_state(Convert(status.state)); });
+}
+
+}  // namespace mwidth::rpc
