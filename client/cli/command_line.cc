@@ -1,0 +1,130 @@
+#include "client/cli/command_line.h"
+
+#include <utility>
+
+namespace mwidth::cli {
+namespace {
+
+constexpr char kExitCodes[] = R"(Exit codes:
+  0  done
+  1  the server said no: an unstable mass, control held by another client, a wrong state, a fault while holding
+  2  the command line is wrong
+  3  the server cannot be reached, or something else failed
+
+Examples:
+  mwidth state
+  mwidth m-width --hand-stiffness 0 --hand-damping 0
+  mwidth set-mass -0.05 --hold 10
+  mwidth --server robot:50051 stream --csv reach.csv --seconds 5
+  mwidth stop)";
+
+CLI::App* Subcommand(CLI::App& app, const std::string& name, const std::string& description,
+                     const std::string& examples) {
+  auto* command = app.add_subcommand(name, description);
+  command->footer("Examples:\n" + examples);
+  return command;
+}
+
+void DefineMWidth(CLI::App& app, CommandLine& line) {
+  auto* command = Subcommand(app, "m-width",
+                             "Show which virtual masses are stable, for the axis's loop or for one like it",
+                             "  mwidth m-width\n"
+                             "  mwidth m-width --rate-hz 500 --cutoff-hz 30\n"
+                             "  mwidth --json m-width --hand-stiffness 0");
+  using Setter = void (v1::LoopParameters::*)(double);
+  const auto add = [&](const std::string& name, Setter set, const std::string& description) {
+    return command
+        ->add_option_function<double>(
+            name, [&line, set](double value) { (line.overrides.*set)(value); }, description)
+        ->group("Instead of the axis's own");
+  };
+  add("--device-mass", &v1::LoopParameters::set_device_mass, "Inertia of the device, kg or kg m²");
+  add("--device-damping", &v1::LoopParameters::set_device_damping, "Its damping, N s/m or N m s/rad");
+  add("--hand-mass", &v1::LoopParameters::set_hand_mass, "Inertia of the hand, rigidly added, kg or kg m²");
+  add("--hand-damping", &v1::LoopParameters::set_hand_damping, "Damping of its hold, N s/m or N m s/rad");
+  add("--hand-stiffness", &v1::LoopParameters::set_hand_stiffness,
+      "Stiffness of its hold, N/m or N m/rad; 0: released");
+  auto* period = add("--period-s", &v1::LoopParameters::set_period_s, "Sample period, s");
+  command
+      ->add_option_function<double>(
+          "--rate-hz", [&line](double rate_hz) { line.overrides.set_period_s(1 / rate_hz); },
+          "Sample rate, Hz")
+      ->check(CLI::PositiveNumber)
+      ->excludes(period)
+      ->group("Instead of the axis's own");
+  add("--cutoff-hz", &v1::LoopParameters::set_cutoff_hz, "Cut-off of the acceleration filter, Hz");
+  add("--delay-s", &v1::LoopParameters::set_delay_s, "Loop delay beyond the zero-order hold, s");
+}
+
+void DefineSetMass(CLI::App& app, CommandLine& line) {
+  auto* command =
+      Subcommand(app, "set-mass",
+                 "Take control, render a virtual mass and hold it until Ctrl-C; the mass then ramps to "
+                 "zero and control is given back",
+                 "  mwidth set-mass 0.1\n"
+                 "  mwidth set-mass -0.05 --hold 10 --ramp 1\n"
+                 "  mwidth set-mass 2 --validate-only");
+  command->add_option("mass", line.mass, "Virtual mass, kg or kg m²; negative makes the device feel lighter")
+      ->required();
+  command->add_option("--hold", line.hold_s, "Seconds to hold the mass, instead of until Ctrl-C")
+      ->check(CLI::NonNegativeNumber);
+  command
+      ->add_option("--ramp", line.ramp_s,
+                   "Seconds of the ramp to the mass, 0 to 10; the server's default: 0.2")
+      ->check(CLI::NonNegativeNumber);
+  command->add_flag("--validate-only", line.validate_only, "Only ask whether the mass would be admitted");
+}
+
+void DefineStream(CLI::App& app, CommandLine& line) {
+  auto* command =
+      Subcommand(app, "stream",
+                 "Show the samples of the loop as they happen: ten rows a second, or every one as CSV. "
+                 "Ticks without a sample are reported on standard error",
+                 "  mwidth stream\n"
+                 "  mwidth stream --csv reach.csv --seconds 5\n"
+                 "  mwidth stream --csv --samples 1000 | your-program");
+  command
+      ->add_option("--csv", line.csv, "Write CSV with 17 significant digits to FILE, or to standard output")
+      ->expected(0, 1)
+      ->default_str("-")
+      ->type_name("[FILE]");
+  command->add_option("--samples", line.samples, "End after so many samples")->check(CLI::PositiveNumber);
+  command->add_option("--seconds", line.seconds, "End after so much time of the loop, s")
+      ->check(CLI::PositiveNumber);
+  command
+      ->add_option(
+          "--decimation", line.decimation,
+          "Take one of so many ticks; default 1 for CSV and JSON, a tenth of a second for the terminal")
+      ->check(CLI::PositiveNumber);
+}
+
+}  // namespace
+
+void Define(CLI::App& app, CommandLine& line) {
+  app.description("Command line of mwidthd, the server that renders virtual mass.");
+  app.footer(kExitCodes);
+  app.require_subcommand(1);
+  // Global options may also follow the subcommand.
+  app.fallthrough();
+  app.add_option("--server", line.server, "HOST:PORT of mwidthd")
+      ->envname("MWIDTH_SERVER")
+      ->capture_default_str();
+  app.add_option("--axis", line.axis, "Name of the axis; may be left out where there is only one");
+  app.add_flag("--json", line.json,
+               "Answer with JSON, field names as in the API; a refusal or an error is a google.rpc.Status");
+  app.set_version_flag("--version", "mwidth " MWIDTH_VERSION);
+
+  Subcommand(app, "state", "Show the axes and what they are doing", "  mwidth state\n  mwidth --json state");
+  DefineMWidth(app, line);
+  DefineSetMass(app, line);
+  auto* stop =
+      Subcommand(app, "stop",
+                 "Emergency stop: zero force at once, drive disabled, fault latched. For anyone, whoever "
+                 "has control; without --axis for every axis",
+                 "  mwidth stop\n  mwidth stop --reason 'strap came loose'");
+  stop->add_option("--reason", line.reason, "For the record")->capture_default_str();
+  Subcommand(app, "clear-fault", "Clear a latched fault, once its cause is gone", "  mwidth clear-fault");
+  DefineStream(app, line);
+}
+
+}  // namespace mwidth::cli

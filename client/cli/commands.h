@@ -1,0 +1,20 @@
+// The subcommands. Each returns an exit code and throws client::Error where the server cannot be reached or
+// declines.
+#pragma once
+
+#include <mwidth/v1/rendering.pb.h>
+
+#include "client/cli/command_line.h"
+
+namespace mwidth::cli {
+
+enum ExitCode : int { kDone = 0, kRefused = 1, kUsage = 2, kFailed = 3 };
+
+int RunState(const CommandLine& line);
+int RunMWidth(const CommandLine& line);
+int RunSetMass(const CommandLine& line);
+int RunStop(const CommandLine& line);
+int RunClearFault(const CommandLine& line);
+int RunStream(const CommandLine& line);
+
+}  // namespace mwidth::cli

@@ -1,0 +1,34 @@
+#include "client/cli/interrupt.h"
+
+#include <csignal>
+#include <cstdlib>
+#include <ctime>
+
+namespace mwidth::cli {
+namespace {
+
+void WaitForSignals(const std::stop_token& end, std::stop_source interrupted, const sigset_t& signals) {
+  // sigtimedwait cannot wait for a stop token too, hence the short turns.
+  const timespec turn{.tv_sec = 0, .tv_nsec = 50'000'000};
+  while (!end.stop_requested()) {
+    const int signal = sigtimedwait(&signals, nullptr, &turn);
+    if (signal > 0 && !interrupted.request_stop()) {
+      std::_Exit(128 + signal);
+    }
+  }
+}
+
+}  // namespace
+
+Interrupt::Interrupt() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    sigaddset(&signals, signal);
+  }
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  waiter_ = std::jthread(
+      [this, signals](const std::stop_token& end) { WaitForSignals(end, interrupted_, signals); });
+}
+
+}  // namespace mwidth::cli
