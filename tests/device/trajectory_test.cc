@@ -80,7 +80,7 @@ std::pair<double, double> Accelerations(const CubicSpline& spline, std::size_t i
 }
 
 TEST(CubicSpline, PassesThroughUnevenSamplesWithContinuousVelocityAndAcceleration) {
-  std::mt19937_64 random(5);  // NOLINT(cert-msc32-c,cert-msc51-cpp): a failure must repeat
+  std::mt19937_64 random(5);
   std::uniform_real_distribution<double> uniform(0.05, 0.15);
   std::vector<double> times_s{0};
   std::vector<double> positions{0.4};
