@@ -1,0 +1,139 @@
+#include "server/gate/stability_gate.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+#include <stdexcept>
+
+#include "tests/server/gate/axis_fixture.h"
+
+namespace mwidth::gate {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr MassLimits kWide{.min = -1e6, .max = 1e6};
+constexpr auto kLinear = model::AxisKind::kLinear;
+
+model::LoopParameters PaperLoop() { return PaperAxis().loop; }
+
+model::LoopParameters UndampedLoop() {
+  model::LoopParameters loop = PaperLoop();
+  loop.device_damping = 0;
+  loop.hand_damping = 0;
+  return loop;
+}
+
+TEST(StabilityGate, TakesItsRangeFromTheModel) {
+  const model::MWidth m_width = model::ComputeMWidth(PaperLoop());
+  const MassRange range = StabilityGate(PaperLoop(), 3).range();
+  EXPECT_EQ(range.nominal.min, m_width.lower.mass);
+  EXPECT_EQ(range.nominal.max, m_width.upper.mass);
+  EXPECT_EQ(range.min_critical_hz, m_width.lower.critical_hz);
+  EXPECT_EQ(range.max_critical_hz, m_width.upper.critical_hz);
+  EXPECT_EQ(range.required_gain_margin_db, 3);
+}
+
+TEST(StabilityGate, ShrinksTheRangeByTheRequiredGainMargin) {
+  const MassRange range = StabilityGate(PaperLoop(), 6).range();
+  EXPECT_NEAR(range.admitted.min, range.robust.min / 1.9952623149688795, 1e-12);
+  EXPECT_NEAR(range.admitted.max, range.robust.max / 1.9952623149688795, 1e-12);
+  const StabilityGate no_margin(PaperLoop(), 0);
+  EXPECT_EQ(no_margin.range().admitted.max, no_margin.range().robust.max);
+}
+
+TEST(StabilityGate, AdmitsExactlyTheMassesThatKeepTheRequiredGainMargin) {
+  const StabilityGate gate(PaperLoop(), 3);
+  std::mt19937_64 random(2);
+  std::uniform_real_distribution<double> around(-2, 2);
+  int admitted = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const double draw = around(random);
+    const double mass = draw * std::abs(draw < 0 ? gate.range().nominal.min : gate.range().nominal.max);
+    const StabilityReport report = gate.Judge(mass, kWide, kLinear);
+    EXPECT_EQ(report.admitted, report.gain_margin_db > 3) << mass;
+    admitted += report.admitted ? 1 : 0;
+  }
+  EXPECT_GT(admitted, 100);
+  EXPECT_LT(admitted, 900);
+}
+
+TEST(StabilityGate, AdmitsTheNearestAdmittedMassWhenAskedForIt) {
+  const StabilityGate gate(PaperLoop(), 3);
+  for (const double mass : {1e3, -1e3, gate.range().admitted.max, gate.range().admitted.min}) {
+    const StabilityReport refused = gate.Judge(mass, kWide, kLinear);
+    EXPECT_FALSE(refused.admitted) << mass;
+    EXPECT_TRUE(gate.Judge(refused.nearest_admitted_mass, kWide, kLinear).admitted) << mass;
+    const double edge = mass > 0 ? gate.range().admitted.max : gate.range().admitted.min;
+    EXPECT_NEAR(refused.nearest_admitted_mass / edge, 1, 1e-15);
+  }
+  EXPECT_EQ(gate.Judge(0.01, kWide, kLinear).nearest_admitted_mass, 0.01);
+}
+
+TEST(StabilityGate, KeepsTheNearestAdmittedMassWithinTheHardLimits) {
+  const StabilityGate gate(PaperLoop(), 3);
+  const MassLimits narrow{.min = -0.01, .max = 0.02};
+  EXPECT_EQ(gate.Judge(1e3, narrow, kLinear).nearest_admitted_mass, 0.02);
+  EXPECT_EQ(gate.Judge(-1e3, narrow, kLinear).nearest_admitted_mass, -0.01);
+}
+
+TEST(StabilityGate, NamesACutOffThatAdmitsTheRefusedMass) {
+  const StabilityGate gate(PaperLoop(), 3);
+  const double mass = 1.5 * gate.range().admitted.max;
+  const StabilityReport refused = gate.Judge(mass, kWide, kLinear);
+  ASSERT_TRUE(refused.admitting_cutoff_hz.has_value());
+  model::LoopParameters slower = PaperLoop();
+  slower.cutoff_hz = *refused.admitting_cutoff_hz;
+  EXPECT_TRUE(StabilityGate(slower, 3).Judge(mass, kWide, kLinear).admitted);
+  EXPECT_FALSE(gate.Judge(0.01, kWide, kLinear).admitting_cutoff_hz.has_value());
+}
+
+TEST(StabilityGate, SaysWhichEdgeBindsAndWhereItOscillates) {
+  const StabilityGate gate(PaperLoop(), 3);
+  const StabilityReport lower = gate.Judge(-1e3, kWide, kLinear);
+  EXPECT_EQ(lower.critical_hz, gate.range().min_critical_hz);
+  EXPECT_THAT(lower.binding, HasSubstr("3 dB"));
+  const StabilityReport upper = gate.Judge(1e3, kWide, kLinear);
+  EXPECT_EQ(upper.critical_hz, gate.range().max_critical_hz);
+  EXPECT_NE(lower.binding, upper.binding);
+  EXPECT_THAT(upper.binding, testing::Not(HasSubstr("delay")));
+  model::LoopParameters late = PaperLoop();
+  late.delay_s = 1e-3;
+  EXPECT_THAT(StabilityGate(late, 3).Judge(1e3, kWide, kLinear).binding, HasSubstr("delay of 1 ms"));
+}
+
+TEST(StabilityGate, WithoutAnMWidthAdmitsNothingButZero) {
+  const StabilityGate gate(UndampedLoop(), 3);
+  EXPECT_TRUE(gate.range().nominal.empty());
+  EXPECT_TRUE(gate.range().admitted.empty());
+  for (const double mass : {1e-9, -1e-9, 1.0}) {
+    const StabilityReport report = gate.Judge(mass, kWide, kLinear);
+    EXPECT_FALSE(report.admitted);
+    EXPECT_EQ(report.binding, gate.range().nominal.empty_reason);
+    EXPECT_EQ(report.nearest_admitted_mass, 0);
+    EXPECT_EQ(report.gain_margin_db, -std::numeric_limits<double>::infinity());
+    EXPECT_FALSE(report.admitting_cutoff_hz.has_value());
+  }
+  EXPECT_TRUE(gate.Judge(0, kWide, kLinear).admitted);
+}
+
+TEST(StabilityGate, GivesZeroAnInfiniteMargin) {
+  const StabilityReport report = StabilityGate(PaperLoop(), 3).Judge(0, kWide, kLinear);
+  EXPECT_TRUE(report.admitted);
+  EXPECT_EQ(report.gain_margin_db, std::numeric_limits<double>::infinity());
+}
+
+TEST(StabilityGate, RefusesParametersThatTheModelDoesNotSupport) {
+  model::LoopParameters loop = PaperLoop();
+  loop.period_s = 1;
+  EXPECT_THROW(StabilityGate(loop, 3), std::invalid_argument);
+  for (const double margin_db : {-0.1, 61.0, std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_THROW(StabilityGate(PaperLoop(), margin_db), std::invalid_argument);
+  }
+}
+
+}  // namespace
+}  // namespace mwidth::gate

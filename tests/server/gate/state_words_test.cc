@@ -1,0 +1,42 @@
+#include "server/gate/state_words.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace mwidth::gate {
+namespace {
+
+using exchange::Fault;
+using exchange::State;
+using testing::HasSubstr;
+
+TEST(StateWords, NameEveryStateAsTheApiDoes) {
+  EXPECT_EQ(StateName(State::kIdle), "IDLE");
+  EXPECT_EQ(StateName(State::kReady), "READY");
+  EXPECT_EQ(StateName(State::kRendering), "RENDERING");
+  EXPECT_EQ(StateName(State::kFault), "FAULT");
+}
+
+TEST(StateWords, SayForEveryFaultWhatToDo) {
+  std::set<std::string> messages;
+  for (const Fault fault :
+       {Fault::kEmergencyStop, Fault::kDriveSilent, Fault::kNotFinite, Fault::kPositionLimit,
+        Fault::kVelocityLimit, Fault::kOverrun, Fault::kDriveRefused}) {
+    const std::string message = FaultMessage({.fault = fault, .number = 1});
+    EXPECT_THAT(message, HasSubstr("then clear the fault."));
+    messages.insert(message);
+  }
+  EXPECT_EQ(messages.size(), 7U);
+  EXPECT_EQ(FaultMessage({}), "");
+}
+
+TEST(StateWords, GiveTheFiguresOfAFault) {
+  const std::string message =
+      FaultMessage({.fault = Fault::kVelocityLimit, .number = 1, .tick = 7, .value = 3.25, .limit = 3});
+  EXPECT_THAT(message, HasSubstr("3.25, above its limit of 3"));
+}
+
+}  // namespace
+}  // namespace mwidth::gate
