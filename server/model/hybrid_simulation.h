@@ -22,7 +22,7 @@ struct PlantResponse {
   double impulse = 0;
   double step = 0;
   double ramp = 0;
-  /// What is lost of a unit velocity, and of a unit position per unit time: the free motion is
+  /// What a unit velocity has lost. The free motion from x0 and v0 is
   ///   x(t) = x0 - stiffness_rate step x0 + impulse v0,
   ///   v(t) = v0 - velocity_loss v0 - stiffness_rate impulse x0.
   double velocity_loss = 0;
