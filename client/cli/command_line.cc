@@ -101,6 +101,7 @@ void DefineStream(CLI::App& app, CommandLine& line) {
 }  // namespace
 
 void Define(CLI::App& app, CommandLine& line) {
+  app.name("mwidth");
   app.description("Command line of mwidthd, the server that renders virtual mass.");
   app.footer(kExitCodes);
   app.require_subcommand(1);

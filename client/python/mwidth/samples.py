@@ -1,0 +1,114 @@
+"""The samples of an axis as numpy arrays."""
+
+import dataclasses
+
+import grpc
+import numpy as np
+
+from mwidth import failure
+
+
+@dataclasses.dataclass(frozen=True)
+class SampleBatch:
+    """Columns of equal length n, one entry a sample, in SI units of the axis (m, N, kg or rad, N m, kg m^2).
+
+    missed_ticks_before and dropped_ticks_before count the ticks without a sample since the batch before: never run
+    by the loop, or run and not delivered.
+    """
+
+    tick: np.ndarray  # uint64
+    monotonic_ns: np.ndarray  # int64, the server's clock
+    position: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    force: np.ndarray
+    mass: np.ndarray
+    state: np.ndarray  # int32, values of mwidth.v1.State
+    saturated: np.ndarray  # bool
+    position_counts: np.ndarray  # int64
+    force_counts: np.ndarray  # int32
+    missed_ticks_before: int = 0
+    dropped_ticks_before: int = 0
+
+    def __len__(self):
+        return len(self.tick)
+
+
+_DTYPES = {
+    "monotonic_ns": np.int64,
+    "position": np.float64,
+    "velocity": np.float64,
+    "acceleration": np.float64,
+    "force": np.float64,
+    "mass": np.float64,
+    "state": np.int32,
+    "saturated": np.bool_,
+    "position_counts": np.int64,
+    "force_counts": np.int32,
+}
+
+
+def _from_message(batch):
+    columns = {name: np.array(getattr(batch, name), dtype=dtype) for name, dtype in _DTYPES.items()}
+    # A server that left the decimation unset sent every tick.
+    step = max(1, batch.decimation)
+    tick = np.uint64(batch.first_tick) + np.arange(len(batch.position), dtype=np.uint64) * np.uint64(step)
+    return SampleBatch(
+        tick=tick,
+        missed_ticks_before=batch.missed_ticks_before,
+        dropped_ticks_before=batch.dropped_ticks_before,
+        **columns,
+    )
+
+
+def concatenate(batches):
+    """One SampleBatch of many, at least one; its gaps are those between them, the first one's own left out."""
+    batches = list(batches)
+    return SampleBatch(
+        tick=np.concatenate([batch.tick for batch in batches]),
+        missed_ticks_before=sum(batch.missed_ticks_before for batch in batches[1:]),
+        dropped_ticks_before=sum(batch.dropped_ticks_before for batch in batches[1:]),
+        **{name: np.concatenate([getattr(batch, name) for batch in batches]) for name in _DTYPES},
+    )
+
+
+class SampleStream:
+    """Iterates over SampleBatches until cancel() or the end of a with block. Made by Client.stream.
+
+    Iterate from one thread; cancel may come from any other. Raises Error when the server ends the stream.
+    """
+
+    def __init__(self, call):
+        self._call = call
+        self._cancelled = False
+        self.missed_ticks = 0
+        self.dropped_ticks = 0
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.cancel()
+
+    def cancel(self):
+        """Ends the iteration, a waiting one too."""
+        self._cancelled = True
+        self._call.cancel()
+
+    def __iter__(self):
+        return self
+
+    def __next__(self):
+        try:
+            batch = _from_message(next(self._call).batch)
+        except StopIteration:
+            if self._cancelled:
+                raise
+            raise failure.Error("the server ended the stream", grpc.StatusCode.UNAVAILABLE) from None
+        except grpc.RpcError as error:
+            if self._cancelled:
+                raise StopIteration from None
+            raise failure.decode(error) from None
+        self.missed_ticks += batch.missed_ticks_before
+        self.dropped_ticks += batch.dropped_ticks_before
+        return batch
