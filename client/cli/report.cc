@@ -177,13 +177,7 @@ std::string RefusalReport(const v1::StabilityReport& report, const v1::AxisInfo&
   } else {
     out << "  No cut-off of the filter would admit it.\n";
   }
-  if (report.critical_hz() > 0) {
-    out << "  The " << (report.requested_mass() < 0 ? "lower" : "upper")
-        << " edge binds: there the loop oscillates at " << Rounded(report.critical_hz(), 4) << " Hz. ";
-  } else {
-    out << "  ";
-  }
-  out << report.binding() << "\n";
+  out << "  The " << (report.requested_mass() < 0 ? "lower" : "upper") << " edge binds. " << report.binding() << "\n";
   return out.str();
 }
 

@@ -1,0 +1,160 @@
+"""The Python client against a server that answers as mwidthd does."""
+
+import math
+import threading
+import unittest
+
+import grpc
+import mwidth
+import numpy as np
+from fake_server import ADMITTED, FakeServer
+from mwidth.v1 import rendering_pb2
+
+
+class ClientTest(unittest.TestCase):
+    def setUp(self):
+        self.server = self.enterContext(FakeServer())
+        self.client = self.enterContext(mwidth.Client(self.server.address))
+
+    def test_reads_the_state_of_the_only_axis(self):
+        self.assertEqual(self.client.state().server_version, "9.9.9")
+        self.assertEqual(self.client.axis().info.name, "elbow")
+
+    def test_unknown_axis_is_an_error_with_the_servers_reason(self):
+        with self.assertRaises(mwidth.Error) as raised:
+            self.client.state("knee")
+        self.assertEqual(raised.exception.code, grpc.StatusCode.NOT_FOUND)
+        self.assertEqual(raised.exception.reason, "UNKNOWN_AXIS")
+        self.assertEqual(str(raised.exception), "no such axis")
+
+    def test_no_server_is_an_error(self):
+        with mwidth.Client("127.0.0.1:1") as nobody, self.assertRaises(mwidth.Error) as raised:
+            nobody.state()
+        self.assertEqual(raised.exception.code, grpc.StatusCode.UNAVAILABLE)
+
+    def test_m_width_sends_only_the_overrides_that_are_given(self):
+        response = self.client.m_width(hand_stiffness=0)
+        self.assertTrue(self.server.overrides.HasField("hand_stiffness"))
+        self.assertFalse(self.server.overrides.HasField("cutoff_hz"))
+        self.assertEqual(response.loop.hand_stiffness, 0)
+        self.assertEqual(response.m_width.admitted.max, ADMITTED[1])
+
+    def test_emergency_stop_needs_no_control(self):
+        self.server.held_by_another = True
+        self.assertEqual(self.client.emergency_stop("strap came loose").states, [rendering_pb2.STATE_FAULT])
+        self.assertEqual(self.server.stop_reason, "strap came loose")
+
+
+class ControlTest(unittest.TestCase):
+    def setUp(self):
+        self.server = self.enterContext(FakeServer())
+        self.client = self.enterContext(mwidth.Client(self.server.address))
+
+    def test_renders_a_mass_and_releases_at_the_end_of_the_block(self):
+        with self.client.control("test") as control:
+            self.assertEqual(control.start_rendering().state, rendering_pb2.STATE_RENDERING)
+            self.assertEqual(control.set_mass(-0.02, ramp_s=1.5).mass, -0.02)
+            self.assertEqual(self.server.last_request.ramp.ToMilliseconds(), 1500)
+            control.stop_rendering()
+        self.assertEqual(
+            self.server.calls, ["AcquireControl", "StartRendering", "SetMass", "StopRendering", "ReleaseControl"]
+        )
+
+    def test_releases_when_the_block_fails_too(self):
+        with self.assertRaises(ZeroDivisionError), self.client.control("test"):
+            raise ZeroDivisionError
+        self.assertEqual(self.server.calls, ["AcquireControl", "ReleaseControl"])
+
+    def test_a_refused_mass_carries_its_report(self):
+        with self.client.control("test") as control, self.assertRaises(mwidth.Refused) as raised:
+            control.set_mass(0.8)
+        self.assertEqual(raised.exception.reason, "UNSTABLE_MASS")
+        self.assertEqual(raised.exception.stability.nearest_admitted_mass, ADMITTED[1])
+        self.assertEqual(raised.exception.stability.admitting_cutoff_hz, 4.5)
+        self.assertNotIn("SetMass", self.server.calls)
+
+    def test_a_mass_that_is_no_number_is_an_error_and_no_refusal(self):
+        with self.client.control("test") as control, self.assertRaises(mwidth.Error) as raised:
+            control.set_mass(math.nan)
+        self.assertNotIsInstance(raised.exception, mwidth.Refused)
+        self.assertEqual(raised.exception.code, grpc.StatusCode.INVALID_ARGUMENT)
+
+    def test_validate_only_changes_nothing(self):
+        with self.client.control("test") as control:
+            control.set_mass(0.1, validate_only=True)
+            self.assertFalse(self.server.last_request.HasField("ramp"))
+        self.assertNotIn("SetMass", self.server.calls)
+
+    def test_control_held_by_another_is_an_error(self):
+        self.server.held_by_another = True
+        with self.assertRaises(mwidth.Error) as raised:
+            self.client.control("test")
+        self.assertEqual(raised.exception.reason, "CONTROL_HELD")
+
+    def test_renews_in_the_background(self):
+        with self.client.control("test", ttl_s=1) as control:
+            self.assertTrue(self.server.wait_for_renewals(3))
+            self.assertIsNone(control.loss)
+
+    def test_a_lost_lease_ends_every_further_call_and_is_not_released(self):
+        self.server.renewal_code = grpc.StatusCode.ABORTED
+        with self.client.control("test", ttl_s=0.3) as control:
+            control._renewal.join(timeout=60)
+            self.assertIsInstance(control.loss, mwidth.LeaseLost)
+            with self.assertRaises(mwidth.LeaseLost):
+                control.set_mass(0.1)
+        self.assertEqual(self.server.renewals, 1)
+        self.assertEqual(self.server.calls, ["AcquireControl"])
+
+    def test_a_silent_server_is_asked_again_until_the_time_to_live_is_over(self):
+        self.server.renewal_code = grpc.StatusCode.UNAVAILABLE
+        with self.client.control("test", ttl_s=0.3) as control:
+            control._renewal.join(timeout=60)
+            self.assertEqual(control.loss.code, grpc.StatusCode.UNAVAILABLE)
+        self.assertGreaterEqual(self.server.renewals, 2)
+
+
+class SampleStreamTest(unittest.TestCase):
+    def setUp(self):
+        self.server = self.enterContext(FakeServer())
+        self.client = self.enterContext(mwidth.Client(self.server.address))
+
+    def test_batches_are_arrays_with_their_ticks_and_gaps(self):
+        with self.client.stream(decimation=2, max_batch=3) as stream:
+            first, second, third = next(stream), next(stream), next(stream)
+        np.testing.assert_array_equal(first.tick, [1000, 1002, 1004])
+        np.testing.assert_array_equal(second.monotonic_ns, [1006000000, 1008000000, 1010000000])
+        np.testing.assert_array_equal(third.position_counts, [-1017, -1019, -1021])
+        np.testing.assert_array_equal(third.saturated, [True, True, True])
+        self.assertEqual((third.missed_ticks_before, third.dropped_ticks_before), (2, 3))
+        self.assertEqual((stream.missed_ticks, stream.dropped_ticks), (2, 3))
+        self.assertEqual(len(third), 3)
+
+    def test_concatenate_keeps_order_and_inner_gaps(self):
+        with self.client.stream(max_batch=2) as stream:
+            batches = [next(stream) for _ in range(4)]
+        joined = mwidth.concatenate(batches[1:])
+        np.testing.assert_array_equal(joined.tick, [1002, 1003, 1009, 1010, 1011, 1012])
+        self.assertEqual(joined.missed_ticks_before, 2)
+        self.assertEqual(mwidth.concatenate(batches[2:]).missed_ticks_before, 0)
+
+    def test_cancel_from_another_thread_ends_the_iteration(self):
+        stream = self.client.stream()
+        canceller = threading.Thread(target=stream.cancel)
+        next(stream)
+        canceller.start()
+        for _ in stream:
+            pass
+        canceller.join()
+
+    def test_an_end_by_the_server_is_an_error(self):
+        self.server.end_stream_after = 2
+        stream = self.client.stream()
+        next(stream)
+        with self.assertRaises(mwidth.Error) as raised:
+            next(stream)
+        self.assertEqual(str(raised.exception), "the server shuts down")
+
+
+if __name__ == "__main__":
+    unittest.main()
