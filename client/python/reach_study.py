@@ -147,8 +147,8 @@ def draw(path, trials):
         for number, reach in enumerate(trial.reaches):
             label = f"M = {trial.mass:+.3g} kg m²" if trial.name != "none" else "no virtual mass"
             style = {"color": COLORS[trial.name], "lw": 1.5, "alpha": 0.8, "label": label if number == 0 else None}
-            start = reach.position[reach.time_s < 0].mean()
-            positions.plot(reach.time_s, np.degrees(reach.position - start), **style)
+            moved = reach.position - analysis.start_position(reach)
+            positions.plot(reach.time_s, np.degrees(moved), **style)
             forces.plot(reach.time_s, reach.force, **style)
     positions.axhline(math.degrees(TARGET_RAD), color="black", lw=1, ls="--", zorder=0, label="target")
     positions.set_ylabel("elbow angle from the start (degrees)")

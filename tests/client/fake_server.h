@@ -14,11 +14,9 @@
 #include <string>
 #include <vector>
 
-namespace mwidth::testing {
+#include "tests/client/fake_answers.h"
 
-/// Edges of what the fake admits: (-0.0512345678, 0.3512345678), within the nominal (-0.07, 0.5).
-inline constexpr double kAdmittedMin = -0.0512345678;
-inline constexpr double kAdmittedMax = 0.3512345678;
+namespace mwidth::testing {
 
 /// Listens on a free port of the loopback until it is destroyed. The axis is "elbow". Every function may be
 /// called from any thread.

@@ -94,8 +94,12 @@ def perceived_mass_error(perceived, device_mass, mass):
     return (perceived - (device_mass + mass)) / (device_mass + mass)
 
 
+def start_position(reach):
+    """Mean position in the first half of the time before the onset: at the onset itself the arm moves already."""
+    return reach.position[reach.time_s < 0.5 * reach.time_s[0]].mean()
+
+
 def overshoot(reaches, amplitude):
-    """The farthest position beyond start + amplitude, as a fraction of amplitude; the mean of all reaches. The start
-    is the mean position before the onset."""
-    beyond = [reach.position.max() - reach.position[reach.time_s < 0].mean() - amplitude for reach in reaches]
+    """The farthest position beyond start + amplitude, as a fraction of amplitude; the mean of all reaches."""
+    beyond = [reach.position.max() - start_position(reach) - amplitude for reach in reaches]
     return np.mean(beyond) / amplitude
