@@ -17,7 +17,7 @@ inline AxisDescription PaperAxis() {
   return {.name = "paper",
           .kind = model::AxisKind::kLinear,
           .loop = {.device_mass = 0.07,
-                   .device_damping = 0.1,
+                   .device_damping = 0.005,
                    .hand_mass = 0,
                    .hand_damping = 5,
                    .hand_stiffness = 700,
