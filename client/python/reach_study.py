@@ -24,10 +24,13 @@ import mwidth  # noqa: E402
 from mwidth import reaches as analysis  # noqa: E402
 from mwidth.v1 import rendering_pb2  # noqa: E402
 
+# The task of --config elbow.
+START_RAD = 0.0
 TARGET_RAD = math.radians(30)
 BEFORE_S = 0.2  # of each reach shown and analysed, before and after its onset
-AFTER_S = 1.3
+AFTER_S = 1.6
 RAMP_S = 0.2
+PATIENCE_S = 60
 COLORS = {"none": "#444444", "positive": "#0072B2", "negative": "#D55E00"}  # told apart by colour-blind readers too
 
 
@@ -43,6 +46,7 @@ class Trial:
     mass: float
     gain_margin_db: float
     reaches: list
+    missing_ticks: int
 
 
 def choose_masses(axis):
@@ -52,8 +56,8 @@ def choose_masses(axis):
     if admitted.empty:
         raise StudyError(f"no mass is admitted: {admitted.empty_reason}")
     device_mass = axis.info.loop.device_mass
-    # A positive mass could be many times the device's: as much again is enough to be felt.
-    positive = min(0.5 * admitted.max, axis.info.mass_max, device_mass + axis.info.loop.hand_mass)
+    # A positive mass could be many times the device's. Half of that is felt, and swings out between reaches.
+    positive = min(0.5 * admitted.max, axis.info.mass_max, 0.5 * device_mass)
     negative = max(0.75 * admitted.min, axis.info.mass_min, -0.75 * device_mass)
     for unstable in (1.5 * nominal.max, 1.5 * nominal.min):
         if axis.info.mass_min <= unstable <= axis.info.mass_max:
@@ -61,26 +65,38 @@ def choose_masses(axis):
     raise StudyError("the configured limits of the mass lie inside the M-width: no unstable mass can be asked for")
 
 
+def find_in(segments, period_s):
+    """The complete reaches in lists of batches without a long gap inside."""
+    found = []
+    for batches in segments:
+        # The filter's window is shorter than this, and a reach is longer.
+        if sum(len(batch) for batch in batches) * period_s > BEFORE_S + AFTER_S:
+            moved = analysis.motion(mwidth.concatenate(batches), period_s)
+            found += analysis.find_reaches(moved, START_RAD, TARGET_RAD, BEFORE_S, AFTER_S)
+    return found
+
+
 def record(client, mass, period_s, count):
-    """`count` complete reaches under a mass that no longer ramps."""
-    batches = []
+    """`count` complete reaches under a mass that no longer ramps, and the number of ticks without a sample."""
+    segments = [[]]
     recorded_s = 0
     with client.stream() as stream:
         for batch in stream:
-            if batch.missed_ticks_before + batch.dropped_ticks_before > 0:
-                batches, recorded_s = [], 0  # a derivative cannot cross a gap: start over
             if not np.all(batch.state == rendering_pb2.STATE_RENDERING):
                 raise StudyError("the server stopped rendering")
             if not np.all(batch.mass == mass):
                 continue
-            batches.append(batch)
+            if (batch.missed_ticks_before + batch.dropped_ticks_before) * period_s > analysis.MAX_GAP_S:
+                segments.append([])
+            segments[-1].append(batch)
             recorded_s += len(batch) * period_s
             # Looking for reaches costs more than receiving them: once a second is enough.
             if math.floor(recorded_s) > math.floor(recorded_s - len(batch) * period_s):
-                moved = analysis.motion(mwidth.concatenate(batches), period_s)
-                found = analysis.find_reaches(moved, BEFORE_S, AFTER_S)
+                found = find_in(segments, period_s)
                 if len(found) >= count:
-                    return found[:count]
+                    return found[:count], stream.missed_ticks + stream.dropped_ticks
+            if recorded_s > PATIENCE_S:
+                raise StudyError(f"no {count} complete reaches in {PATIENCE_S} s: does the hand move, undisturbed?")
 
 
 def run_trials(client, control, masses, axis, count):
@@ -88,8 +104,8 @@ def run_trials(client, control, masses, axis, count):
     for name, mass in masses.items():
         print(f"  {count} reaches with a virtual mass of {mass:+.4g} kg m² ...", flush=True)
         answer = control.set_mass(mass, ramp_s=RAMP_S)
-        found = record(client, mass, axis.info.loop.period_s, count)
-        trials.append(Trial(name, mass, answer.stability.gain_margin_db, found))
+        found, missing = record(client, mass, axis.info.loop.period_s, count)
+        trials.append(Trial(name, mass, answer.stability.gain_margin_db, found, missing))
     return trials
 
 
@@ -115,8 +131,11 @@ def table(trials, axis):
         error = analysis.perceived_mass_error(perceived, device_mass, trial.mass)
         rows.append(
             f"{trial.mass:>+13.5f} {device_mass + trial.mass:>17.5f} {perceived:>15.5f} {100 * error:>+7.1f}% "
-            f"{100 * analysis.overshoot(trial.reaches, TARGET_RAD):>9.1f}% {trial.gain_margin_db:>12.1f}"
+            f"{100 * analysis.overshoot(trial.reaches, START_RAD, TARGET_RAD):>9.1f}% {trial.gain_margin_db:>12.1f}"
         )
+    missing = sum(trial.missing_ticks for trial in trials)
+    if missing > 0:
+        rows.append(f"{missing} ticks had no sample; gaps up to {1e3 * analysis.MAX_GAP_S:g} ms are interpolated.")
     return "\n".join(rows)
 
 
@@ -147,11 +166,10 @@ def draw(path, trials):
         for number, reach in enumerate(trial.reaches):
             label = f"M = {trial.mass:+.3g} kg m²" if trial.name != "none" else "no virtual mass"
             style = {"color": COLORS[trial.name], "lw": 1.5, "alpha": 0.8, "label": label if number == 0 else None}
-            moved = reach.position - analysis.start_position(reach)
-            positions.plot(reach.time_s, np.degrees(moved), **style)
+            positions.plot(reach.time_s, np.degrees(reach.position), **style)
             forces.plot(reach.time_s, reach.force, **style)
     positions.axhline(math.degrees(TARGET_RAD), color="black", lw=1, ls="--", zorder=0, label="target")
-    positions.set_ylabel("elbow angle from the start (degrees)")
+    positions.set_ylabel("elbow angle (degrees)")
     positions.set_title("The same reach under three virtual masses")
     positions.legend(loc="lower right", frameon=False)
     forces.axhline(0, color="black", lw=0.5, zorder=0)

@@ -13,6 +13,8 @@ from scipy.signal import savgol_filter
 # encoder's quantum out of the second derivative.
 _WINDOW_S = 0.061
 _ORDER = 5
+# Longest row of ticks without a sample that may be interpolated.
+MAX_GAP_S = 0.01
 
 
 def filtered(x, period_s, derivative=0):
@@ -38,42 +40,53 @@ class Motion:
 
 
 def motion(batch, period_s):
-    """Motion of a SampleBatch without gaps and decimation. Position is as streamed, the derivatives are its own
-    (the streamed acceleration lags behind), and the force passes through the same filter as they do."""
-    if not np.all(np.diff(batch.tick) == 1):
-        raise ValueError("ticks are missing: the derivative would jump")
+    """Motion of a SampleBatch without decimation. Position is as streamed, the derivatives are its own (the streamed
+    acceleration lags behind), and the force passes through the same filter as they do.
+
+    Ticks without a sample are interpolated, as they are short against the filter's window.
+
+    Raises:
+        ValueError: a gap is longer than MAX_GAP_S, or there are fewer samples than the filter's window.
+    """
+    tick = (batch.tick - batch.tick[0]).astype(np.int64)
+    if len(tick) > 1 and (np.diff(tick).max() - 1) * period_s > MAX_GAP_S:
+        raise ValueError("too many ticks are missing in a row")
+    every_tick = np.arange(tick[-1] + 1)
+    position = np.interp(every_tick, tick, batch.position)
     return Motion(
-        time_s=(batch.tick - batch.tick[0]) * period_s,
-        position=batch.position,
-        velocity=filtered(batch.position, period_s, 1),
-        acceleration=filtered(batch.position, period_s, 2),
-        force=filtered(batch.force, period_s),
+        time_s=every_tick * period_s,
+        position=position,
+        velocity=filtered(position, period_s, 1),
+        acceleration=filtered(position, period_s, 2),
+        force=filtered(np.interp(every_tick, tick, batch.force), period_s),
     )
 
 
-def find_reaches(moved, before_s, after_s):
-    """Reaches in the positive direction, each from before_s before its onset until after_s after it.
+def find_reaches(moved, start, target, before_s, after_s):
+    """Reaches from start to target (positions, start < target), each from before_s before its onset until after_s
+    after it, time 0 at the onset.
 
-    The onset is where the velocity last passes 5 % of the largest velocity on its way up. Reaches that the ends of
-    the motion cut off are left out. Time is 0 at the onset.
+    A reach passes the middle on its way up, having been in the lower quarter before; its onset is where the velocity
+    last passes 5 % of the largest one on the way there. Reaches that the ends of the motion cut off are left out.
     """
-    fastest = moved.velocity.max()
-    starts = np.flatnonzero(np.diff((moved.velocity > 0.5 * fastest).astype(int)) == 1)
+    way = (moved.position - start) / (target - start)
+    threshold = 0.05 * moved.velocity.max()
     reaches = []
-    last_onset_s = -np.inf
-    for start in starts:
-        slow = np.flatnonzero(moved.velocity[:start] < 0.05 * fastest)
+    armed = 0  # the first sample not yet searched
+    while True:
+        below = np.flatnonzero(way[armed:] < 0.25)
+        passed = np.flatnonzero(way[armed + below[0] :] > 0.5) if len(below) else below
+        if len(passed) == 0:
+            return reaches
+        middle = armed + below[0] + passed[0]
+        armed = middle
+        slow = np.flatnonzero(moved.velocity[:middle] < threshold)
         if len(slow) == 0:
             continue
         onset_s = moved.time_s[slow[-1]]
-        # An oscillation after a reach may be fast again; it belongs to that reach.
-        if onset_s < last_onset_s + after_s:
-            continue
-        last_onset_s = onset_s
         if onset_s - before_s >= moved.time_s[0] and onset_s + after_s <= moved.time_s[-1]:
             part = moved[(moved.time_s >= onset_s - before_s) & (moved.time_s <= onset_s + after_s)]
             reaches.append(dataclasses.replace(part, time_s=part.time_s - onset_s))
-    return reaches
 
 
 def perceived_mass(reaches, device_mass, device_damping):
@@ -94,12 +107,7 @@ def perceived_mass_error(perceived, device_mass, mass):
     return (perceived - (device_mass + mass)) / (device_mass + mass)
 
 
-def start_position(reach):
-    """Mean position in the first half of the time before the onset: at the onset itself the arm moves already."""
-    return reach.position[reach.time_s < 0.5 * reach.time_s[0]].mean()
-
-
-def overshoot(reaches, amplitude):
-    """The farthest position beyond start + amplitude, as a fraction of amplitude; the mean of all reaches."""
-    beyond = [reach.position.max() - start_position(reach) - amplitude for reach in reaches]
-    return np.mean(beyond) / amplitude
+def overshoot(reaches, start, target):
+    """The farthest position beyond the target, as a fraction of the way from start to target; the mean of all
+    reaches. Both are of the task, not of the motion: a heavy arm may still swing when the next reach begins."""
+    return np.mean([reach.position.max() - target for reach in reaches]) / (target - start)

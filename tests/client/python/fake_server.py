@@ -20,8 +20,8 @@ DEVICE_MASS = 0.05
 DEVICE_DAMPING = 0.1
 NOMINAL = (-0.045, 0.5)
 ADMITTED = (-0.03, 0.35)
-REACH_S = 0.6
-HOLD_S = 0.9
+REACH_S = 0.8
+HOLD_S = 1.2
 AMPLITUDE_RAD = math.radians(30)
 
 
@@ -225,7 +225,7 @@ class FakeServer(
                     force=self._mass * acceleration,
                     mass=np.full(size, self._mass),
                     state=[self._state] * size,
-                    saturated=tick % 2 == 1,
+                    saturated=(tick % 2 == 1).tolist(),
                     position_counts=-tick,
                     force_counts=np.full(size, 12),
                 )

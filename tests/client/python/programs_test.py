@@ -53,18 +53,19 @@ class ProgramsTest(unittest.TestCase):
             with (pathlib.Path(folder) / "reaches.csv").open() as file:
                 rows = list(csv.DictReader(file))
         self.assertTrue(picture.startswith(b"\x89PNG"))
-        # M = 0, the device's own mass, and three quarters of the lower edge: rendered ideally by the fake.
+        # M = 0, half the device's mass, and three quarters of the lower edge: rendered ideally by the fake.
         lines = [line.split() for line in done.stdout.splitlines()]
         table = {line[0]: line[1:] for line in lines if len(line) == 6 and line[0][0] in "+-"}
-        self.assertEqual(list(table), ["+0.00000", "+0.05000", "-0.02250"])
+        self.assertEqual(list(table), ["+0.00000", "+0.02500", "-0.02250"])
         for ideal, perceived, error, overshoot, _ in table.values():
             self.assertAlmostEqual(float(perceived) / float(ideal), 1, delta=0.01)
             self.assertLess(abs(float(error.rstrip("%"))), 1)
             self.assertLess(abs(float(overshoot.rstrip("%"))), 0.2)
-        self.assertEqual(table["+0.05000"][-1], "20.0")
+        self.assertEqual(table["+0.02500"][-1], "26.0")
+        self.assertIn("15 ticks had no sample", done.stdout)
         self.assertIn("A virtual mass of +0.75 kg m² was refused (UNSTABLE_MASS):", done.stdout)
         self.assertIn("cut-off of 4.5 Hz would admit it", done.stdout)
-        self.assertEqual({row["mass_kg_m2"] for row in rows}, {"0.0", "0.05", "-0.0225"})
+        self.assertEqual({row["mass_kg_m2"] for row in rows}, {"0.0", "0.025", "-0.0225"})
         self.assertEqual(self.server.calls[-2:], ["StopRendering", "ReleaseControl"])
 
     def test_study_without_a_server_fails_with_its_reason(self):
