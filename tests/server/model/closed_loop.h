@@ -1,0 +1,95 @@
+// The poles of a rendering loop: oracles that know nothing of crossings.
+#pragma once
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <complex>
+#include <cstddef>
+#include <numbers>
+#include <vector>
+
+#include "tests/server/model/reference_sampled_plant.h"
+
+namespace mwidth::model {
+
+/// Coefficients, the constant first.
+using RealPolynomial = std::vector<Real>;
+
+inline RealPolynomial Times(const RealPolynomial& a, const RealPolynomial& b) {
+  RealPolynomial product(a.size() + b.size() - 1, 0);
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    for (std::size_t k = 0; k < b.size(); ++k) {
+      product[i + k] += a[i] * b[k];
+    }
+  }
+  return product;
+}
+
+/// The characteristic polynomial of one loop, for any virtual mass.
+class ClosedLoop {
+ public:
+  explicit ClosedLoop(const LoopParameters& loop) {
+    const ReferenceSampledPlant plant = DiscretizeIn50Digits(loop);
+    const Real a = exp(-2 * boost::math::constants::pi<Real>() * loop.cutoff_hz * loop.period_s);
+    // Poles at z = 1, which the double difference cancels, are left out: one of a released hand, both of a
+    // released mass without friction.
+    RealPolynomial poles{1 - plant.loss, plant.static_gap + plant.loss - 2, 1};
+    RealPolynomial difference{1, -2, 1};
+    if (loop.hand_stiffness == 0) {
+      poles = {plant.loss - 1, 1};
+      difference = {-1, 1};
+      if (loop.device_damping == 0 && loop.hand_damping == 0) {
+        poles = difference = {1};
+      }
+    }
+    RealPolynomial delay(static_cast<std::size_t>(plant.delay_ticks) + 3, 0);
+    delay.back() = 1;
+    open_ = Times(Times(delay, {-a, 1}), poles);
+    const Real gain = (1 - a) * plant.gain / (Real(loop.period_s) * loop.period_s);
+    feedback_ = Times({gain}, Times(difference, {plant.hold[2], plant.hold[1], plant.hold[0]}));
+  }
+
+  /// Numerator of 1 + M H(z) D(z) G(z) z^-delay in powers of z (eqs. 3 to 5, 10).
+  RealPolynomial Characteristic(const Real& virtual_mass) const {
+    RealPolynomial sum = open_;
+    for (std::size_t i = 0; i < feedback_.size(); ++i) {
+      sum[i] += virtual_mass * feedback_[i];
+    }
+    return sum;
+  }
+
+ private:
+  RealPolynomial open_;
+  RealPolynomial feedback_;
+};
+
+/// Jury's criterion, as the step-down recursion of the reflection coefficients: true when every root is
+/// inside the unit circle.
+inline bool IsStableByJury(RealPolynomial polynomial) {
+  while (polynomial.size() > 1) {
+    const Real reflection = polynomial.front() / polynomial.back();
+    if (abs(reflection) >= 1) {
+      return false;
+    }
+    RealPolynomial next;
+    for (std::size_t i = 1; i < polynomial.size(); ++i) {
+      next.push_back(polynomial[i] - reflection * polynomial[polynomial.size() - 1 - i]);
+    }
+    polynomial = next;
+  }
+  return true;
+}
+
+/// Largest magnitude of a root, by the eigenvalues of the companion matrix in double precision.
+inline double SpectralRadius(const RealPolynomial& polynomial) {
+  const auto degree = static_cast<Eigen::Index>(polynomial.size()) - 1;
+  Eigen::MatrixXd companion = Eigen::MatrixXd::Zero(degree, degree);
+  companion.diagonal(-1).setOnes();
+  for (Eigen::Index i = 0; i < degree; ++i) {
+    companion(i, degree - 1) =
+        -static_cast<double>(polynomial[static_cast<std::size_t>(i)] / polynomial.back());
+  }
+  return companion.eigenvalues().cwiseAbs().maxCoeff();
+}
+
+}  // namespace mwidth::model
