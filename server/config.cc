@@ -1,0 +1,176 @@
+#include "server/config.h"
+
+#include <cmath>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include "server/config_table.h"
+
+namespace mwidth::server {
+namespace {
+
+constexpr double kDefaultGainMarginDb = 3;
+constexpr int kDefaultMaxMissedTicks = 20;
+constexpr int kDefaultPriority = 80;
+constexpr int kDefaultMaxStreams = 64;
+constexpr int kDefaultStreamQueueSamples = 20'000;
+constexpr double kLargest = 1e6;
+
+model::LoopParameters ReadLoop(ConfigTable& axis) {
+  model::LoopParameters loop;
+  ConfigTable timing = axis.Table("loop");
+  loop.period_s = timing.Number("period_s", {1e-4, 1e-2});
+  loop.cutoff_hz = timing.Number("cutoff_hz", {0, 0.5 / loop.period_s, true});
+  loop.delay_s = timing.NumberOr("delay_s", {0, 3 * loop.period_s}, 0);
+  timing.Finish();
+
+  ConfigTable device = axis.Table("device");
+  loop.device_mass = device.Number("mass", {1e-6, 1e4});
+  loop.device_damping = device.Number("damping", {0, 1e4});
+  device.Finish();
+
+  ConfigTable hand = axis.Table("hand");
+  loop.hand_mass = hand.NumberOr("mass", {0, 1e4}, 0);
+  loop.hand_damping = hand.Number("damping", {0, 1e4});
+  loop.hand_stiffness = hand.Number("stiffness", {0, kLargest});
+  hand.Finish();
+  return loop;
+}
+
+LimitsConfig ReadLimits(ConfigTable limits) {
+  const LimitsConfig read{
+      .mass_min = limits.Number("mass_min", {-kLargest, 0}),
+      .mass_max = limits.Number("mass_max", {0, kLargest}),
+      .force = limits.Number("force", {0, kLargest, true}),
+      .position_min = limits.Number("position_min", {-kLargest, kLargest}),
+      .position_max = limits.Number("position_max", {-kLargest, kLargest}),
+      .velocity = limits.Number("velocity", {0, kLargest, true}),
+      .max_missed_ticks = limits.IntegerOr("max_missed_ticks", {0, 1000}, kDefaultMaxMissedTicks),
+  };
+  if (read.position_min >= read.position_max) {
+    limits.Refuse("position_max", "must be above position_min");
+  }
+  limits.Finish();
+  return read;
+}
+
+HandMotionConfig ReadHandMotion(ConfigTable motion, const std::filesystem::path& folder) {
+  HandMotionConfig read{
+      .amplitude = motion.Number("amplitude", {-kLargest, kLargest}),
+      .duration_s = motion.NumberOr("duration_s", {0.05, 60}, 0.8),
+      .hold_s = motion.NumberOr("hold_s", {0, 60}, 1.2),
+      .file = motion.StringOr("file", ""),
+      .reach = motion.OptionalInteger("reach", {1, kLargest}),
+  };
+  if (!read.file.empty()) {
+    read.file = folder / read.file;
+  }
+  motion.Finish();
+  return read;
+}
+
+DriveConfig ReadDrive(ConfigTable drive, const std::filesystem::path& folder) {
+  if (const std::string type = drive.String("type"); type != "simulated") {
+    drive.Refuse("type", "is \"" + type + R"("; allowed is "simulated")");
+  }
+  DriveConfig read{
+      .position_quantum = drive.Number("position_quantum", {0, 1, true}),
+      .force_quantum = drive.Number("force_quantum", {0, 1e3, true}),
+      .hand_motion = ReadHandMotion(drive.Table("hand_motion"), folder),
+  };
+  drive.Finish();
+  return read;
+}
+
+AxisConfig ReadAxis(ConfigTable axis, const std::filesystem::path& folder) {
+  AxisConfig read;
+  read.name = axis.String("name");
+  if (read.name.empty()) {
+    axis.Refuse("name", "is empty; give the axis a name");
+  }
+  const std::string kind = axis.String("kind");
+  if (kind != "linear" && kind != "rotary") {
+    axis.Refuse("kind",
+                "is \"" + kind + R"("; allowed are "linear" (kg, m, N) and "rotary" (kg m^2, rad, N m))");
+  }
+  read.kind = kind == "linear" ? model::AxisKind::kLinear : model::AxisKind::kRotary;
+  read.loop = ReadLoop(axis);
+
+  ConfigTable gate = axis.Table("gate");
+  read.required_gain_margin_db = gate.NumberOr("required_gain_margin_db", {0, 40}, kDefaultGainMarginDb);
+  gate.Finish();
+
+  read.limits = ReadLimits(axis.Table("limits"));
+
+  ConfigTable realtime = axis.Table("realtime");
+  read.realtime.priority = realtime.IntegerOr("priority", {1, 98}, kDefaultPriority);
+  read.realtime.cpu = realtime.OptionalInteger("cpu", {0, 1023});
+  realtime.Finish();
+
+  read.drive = ReadDrive(axis.Table("drive"), folder);
+  // A force count crosses to the drive as 32 bits.
+  if (read.limits.force / read.drive.force_quantum > 2e9) {
+    axis.Table("drive").Refuse("force_quantum", "is too fine: limits.force must be at most 2e9 of it");
+  }
+  axis.Finish();
+  return read;
+}
+
+}  // namespace
+
+Config LoadConfig(const std::filesystem::path& file) {
+  toml::table parsed;
+  try {
+    parsed = toml::parse_file(file.string());
+  } catch (const toml::parse_error& error) {
+    std::ostringstream text;
+    text << file.string() << ":" << error.source().begin.line << ": " << error.description();
+    throw ConfigError(text.str());
+  }
+  ConfigTable root(parsed, file, "");
+  Config config;
+  ConfigTable server = root.Table("server");
+  config.listen = server.String("listen");
+  config.max_streams = server.IntegerOr("max_streams", {1, 100'000}, kDefaultMaxStreams);
+  config.stream_queue_samples =
+      server.IntegerOr("stream_queue_samples", {1000, kLargest}, kDefaultStreamQueueSamples);
+  server.Finish();
+
+  std::set<std::string> names;
+  for (ConfigTable& axis : root.Tables("axis")) {
+    config.axes.push_back(ReadAxis(axis, file.parent_path()));
+    if (!names.insert(config.axes.back().name).second) {
+      axis.Refuse("name", "stands twice: \"" + config.axes.back().name + "\"; names must differ");
+    }
+  }
+  root.Finish();
+  return config;
+}
+
+std::filesystem::path FindConfig(const std::string& name_or_file) {
+  namespace fs = std::filesystem;
+  if (fs::is_regular_file(name_or_file)) {
+    return name_or_file;
+  }
+  // Installed and in the build tree alike: bin/mwidthd beside share/mwidth/config.
+  const fs::path shipped =
+      fs::read_symlink("/proc/self/exe").parent_path().parent_path() / "share/mwidth/config";
+  if (fs::is_regular_file(shipped / (name_or_file + ".toml"))) {
+    return shipped / (name_or_file + ".toml");
+  }
+  std::string names;
+  if (fs::is_directory(shipped)) {
+    std::set<std::string> sorted;
+    for (const auto& entry : fs::directory_iterator(shipped)) {
+      sorted.insert(entry.path().stem().string());
+    }
+    for (const std::string& name : sorted) {
+      names += (names.empty() ? "" : ", ") + name;
+    }
+  }
+  throw ConfigError(name_or_file + ": no such file, and no shipped configuration of that name; shipped are " +
+                    names);
+}
+
+}  // namespace mwidth::server

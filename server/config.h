@@ -1,0 +1,82 @@
+// The configuration file: what the server's axes are.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "server/model/axis_kind.h"
+#include "server/model/loop_parameters.h"
+
+namespace mwidth::server {
+
+/// A configuration that cannot be used. what() names the file, the line, the key and what is allowed.
+class ConfigError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Where a simulated hand goes: a built-in reach, or a recording.
+struct HandMotionConfig {
+  /// Length of the built-in reach; rad or m.
+  double amplitude = 0;
+  double duration_s = 0;
+  double hold_s = 0;
+  /// A recording to play instead of the built-in reach; empty: none.
+  std::filesystem::path file;
+  /// Which reach of the recording, from 1; none: all, one after the other.
+  std::optional<int> reach;
+};
+
+struct DriveConfig {
+  double position_quantum = 0;
+  double force_quantum = 0;
+  HandMotionConfig hand_motion;
+};
+
+struct LimitsConfig {
+  double mass_min = 0;
+  double mass_max = 0;
+  double force = 0;
+  double position_min = 0;
+  double position_max = 0;
+  double velocity = 0;
+  int max_missed_ticks = 0;
+};
+
+struct RealtimeConfig {
+  /// SCHED_FIFO priority, 1..98.
+  int priority = 0;
+  /// CPU that the loop is pinned to; none: any.
+  std::optional<int> cpu;
+};
+
+struct AxisConfig {
+  std::string name;
+  model::AxisKind kind = model::AxisKind::kLinear;
+  model::LoopParameters loop;
+  double required_gain_margin_db = 0;
+  LimitsConfig limits;
+  RealtimeConfig realtime;
+  DriveConfig drive;
+};
+
+struct Config {
+  std::string listen;
+  /// Most sample streams on one axis, and most samples queued for one of them.
+  int max_streams = 0;
+  int stream_queue_samples = 0;
+  std::vector<AxisConfig> axes;
+};
+
+/// Reads a TOML file. Every key is documented in deploy/config; an unknown or missing key, a wrong type and a
+/// number out of range throw ConfigError.
+Config LoadConfig(const std::filesystem::path& file);
+
+/// The file that `name_or_file` means: an existing path, or else a shipped configuration such as "paper".
+/// Throws ConfigError naming the shipped ones.
+std::filesystem::path FindConfig(const std::string& name_or_file);
+
+}  // namespace mwidth::server

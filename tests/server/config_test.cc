@@ -1,0 +1,98 @@
+#include "server/config.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+
+namespace mwidth::server {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+std::string ReadFile(const std::filesystem::path& file) {
+  std::stringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+class ConfigTest : public testing::Test {
+ protected:
+  /// What LoadConfig says of the shipped configuration with `from` replaced by `to`.
+  static std::string ErrorAfter(const std::string& from, const std::string& to) {
+    std::string text = ReadFile(CONFIG_DIR "/paper.toml");
+    const std::size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    text.replace(at, from.size(), to);
+    const std::filesystem::path file =
+        testing::TempDir() + testing::UnitTest::GetInstance()->current_test_info()->name() + ".toml";
+    std::ofstream(file) << text;
+    try {
+      LoadConfig(file);
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+    return "accepted";
+  }
+};
+
+TEST_F(ConfigTest, ReadsThePaperLoop) {
+  const Config config = LoadConfig(CONFIG_DIR "/paper.toml");
+  ASSERT_EQ(config.axes.size(), 1U);
+  const AxisConfig& axis = config.axes[0];
+  EXPECT_EQ(axis.kind, model::AxisKind::kLinear);
+  EXPECT_EQ(axis.loop.device_mass, 0.070);
+  EXPECT_EQ(axis.loop.device_damping, 0.005);
+  EXPECT_EQ(axis.loop.hand_stiffness, 700);
+  EXPECT_EQ(axis.loop.hand_damping, 5);
+  EXPECT_EQ(axis.loop.period_s, 0.001);
+  EXPECT_EQ(axis.loop.cutoff_hz, 10);
+  EXPECT_EQ(axis.loop.delay_s, 0);
+}
+
+TEST_F(ConfigTest, ReadsEveryShippedConfiguration) {
+  int count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(CONFIG_DIR)) {
+    EXPECT_NO_THROW(LoadConfig(entry.path())) << entry.path();
+    ++count;
+  }
+  EXPECT_GE(count, 2);
+}
+
+TEST_F(ConfigTest, NamesFileLineKeyAndRangeOfAWrongNumber) {
+  EXPECT_THAT(ErrorAfter("cutoff_hz = 10.0", "cutoff_hz = 501"),
+              AllOf(HasSubstr(".toml:21: axis.loop.cutoff_hz is 501"), HasSubstr("at most 500")));
+  EXPECT_THAT(ErrorAfter("period_s = 0.001", "period_s = 0"), HasSubstr("from 0.0001 to 0.01"));
+  EXPECT_THAT(ErrorAfter("mass = 0.070", "mass = nan"), HasSubstr("axis.device.mass is nan"));
+  EXPECT_THAT(ErrorAfter("stiffness = 700.0", "stiffness = inf"), HasSubstr("axis.hand.stiffness is inf"));
+}
+
+TEST_F(ConfigTest, NamesAnUnknownKeyAndTheAllowedOnes) {
+  EXPECT_THAT(ErrorAfter("cutoff_hz", "cutof_hz"), HasSubstr("axis.loop.cutoff_hz is missing"));
+  EXPECT_THAT(ErrorAfter("delay_s = 0.0", "delay = 0.0"),
+              AllOf(HasSubstr("axis.loop.delay is not a key"), HasSubstr("cutoff_hz, delay_s, period_s")));
+}
+
+TEST_F(ConfigTest, RefusesWrongTypesAndWords) {
+  EXPECT_THAT(ErrorAfter("period_s = 0.001", "period_s = \"1 ms\""), HasSubstr("axis.loop.period_s is"));
+  EXPECT_THAT(ErrorAfter("kind = \"linear\"", "kind = \"round\""), HasSubstr(R"(allowed are "linear")"));
+  EXPECT_THAT(ErrorAfter("type = \"simulated\"", "type = \"real\""), HasSubstr(R"(allowed is "simulated")"));
+  EXPECT_THAT(ErrorAfter("max_missed_ticks = 20", "max_missed_ticks = 2.5"), HasSubstr("a whole number"));
+  EXPECT_THAT(ErrorAfter("[axis.device]", "[axis.devise]"), HasSubstr("axis.device is missing"));
+  EXPECT_THAT(ErrorAfter("position_max = 0.25", "position_max = -1"), HasSubstr("above position_min"));
+  EXPECT_THAT(ErrorAfter("force_quantum = 0.001", "force_quantum = 1e-12"), HasSubstr("too fine"));
+}
+
+TEST_F(ConfigTest, NamesTheLineOfASyntaxError) {
+  EXPECT_THAT(ErrorAfter("kind = \"linear\"", "kind = linear"), HasSubstr(".toml:15"));
+}
+
+TEST_F(ConfigTest, RefusesAMissingFileByNamingTheShippedOnes) {
+  EXPECT_THROW(FindConfig("no-such-configuration"), ConfigError);
+  EXPECT_THROW(LoadConfig("no-such-file.toml"), ConfigError);
+}
+
+}  // namespace
+}  // namespace mwidth::server
