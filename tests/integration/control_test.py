@@ -44,10 +44,7 @@ def wait_for(condition):
 
 class ControlTest(unittest.TestCase):
     def setUp(self):
-        server = ServerProcess("--config", "elbow")
-        self.server = self.enterContext(server) if hasattr(self, "enterContext") else server.__enter__()
-        if not hasattr(self, "enterContext"):
-            self.addCleanup(server.__exit__, None, None, None)
+        self.server = self.enterContext(ServerProcess("--config", "elbow"))
 
     def assert_refused(self, call, code, reason):
         error, details = refused(call)
