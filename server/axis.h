@@ -1,0 +1,48 @@
+// One axis, whole: its drive, its loop, its gate and its record, wired.
+#pragma once
+
+#include <memory>
+
+#include "device/drive.h"
+#include "server/config.h"
+#include "server/exchange/clock.h"
+#include "server/exchange/crossing.h"
+#include "server/gate/axis_gate.h"
+#include "server/record/broadcast.h"
+#include "server/record/drain.h"
+#include "server/render/loop.h"
+
+namespace mwidth::server {
+
+/// What the command line decides for every axis.
+struct AxisOptions {
+  /// Times real time; 1 runs on the monotonic clock itself, which a simulated axis may leave.
+  double simulation_speed = 1;
+  bool allow_non_realtime = false;
+};
+
+/// Owns everything of one axis. The loop runs from construction to destruction; it renders only when the gate is
+/// asked to.
+class Axis {
+ public:
+  /// Throws std::runtime_error where the drive or the hand's recording cannot be used.
+  Axis(const AxisConfig& config, const Config& server, const AxisOptions& options);
+  Axis(const Axis&) = delete;
+  Axis& operator=(const Axis&) = delete;
+  /// Ramps down what is rendered, then ends the loop, then the streams.
+  ~Axis();
+
+  gate::AxisGate& gate() { return *gate_; }
+  record::Broadcast& broadcast() { return broadcast_; }
+
+ private:
+  std::unique_ptr<exchange::Clock> clock_;
+  std::unique_ptr<device::Drive> drive_;
+  exchange::Crossing crossing_;
+  record::Broadcast broadcast_;
+  record::Drain drain_;
+  std::unique_ptr<render::Loop> loop_;
+  std::unique_ptr<gate::AxisGate> gate_;
+};
+
+}  // namespace mwidth::server

@@ -1,0 +1,113 @@
+// mwidthd: the server. Reads the configuration, wires the axes, serves them, and ends on a signal.
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "server/axis.h"
+#include "server/config.h"
+#include "server/rpc/axis_registry.h"
+#include "server/rpc/server.h"
+
+namespace {
+
+namespace rpc = mwidth::rpc;
+namespace server = mwidth::server;
+
+constexpr int kExitFailure = 1;
+constexpr int kExitUsage = 2;
+constexpr double kFastestSimulation = 1000;
+
+struct CommandLine {
+  std::string config = "paper";
+  std::string listen;
+  std::string hand_motion;
+  std::optional<int> reach;
+  server::AxisOptions axis;
+};
+
+CommandLine Parse(CLI::App& app, int argc, char** argv) {
+  CommandLine line;
+  app.add_option("--config", line.config,
+                 "Configuration: a TOML file, or the name of a shipped one (paper, elbow)")
+      ->capture_default_str();
+  app.add_option("--listen", line.listen,
+                 "HOST:PORT to serve gRPC on instead of the configuration's; port 0: any free one");
+  app.add_option("--hand-motion", line.hand_motion,
+                 "CSV recording that moves the simulated hand: columns time_s and one position, ending in _rad or _m");
+  app.add_option("--reach", line.reach, "Play only this reach of the recording, from 1")
+      ->check(CLI::PositiveNumber)
+      ->needs("--hand-motion");
+  app.add_option("--simulation-speed", line.axis.simulation_speed,
+                 "Run the simulation this many times as fast as real time")
+      ->check(CLI::Range(0.01, kFastestSimulation))
+      ->capture_default_str();
+  app.add_flag("--allow-non-realtime", line.axis.allow_non_realtime,
+               "Render on a real drive even where the host refuses real-time scheduling");
+  app.set_version_flag("--version", MWIDTH_VERSION);
+  app.parse(argc, argv);
+  return line;
+}
+
+server::Config Load(const CommandLine& line) {
+  server::Config config = server::LoadConfig(server::FindConfig(line.config));
+  if (!line.listen.empty()) {
+    config.listen = line.listen;
+  }
+  if (!line.hand_motion.empty()) {
+    if (config.axes.size() != 1) {
+      throw server::ConfigError("--hand-motion: the configuration has several axes; set axis.drive.hand_motion.file");
+    }
+    config.axes[0].drive.hand_motion.file = line.hand_motion;
+    config.axes[0].drive.hand_motion.reach = line.reach;
+  }
+  return config;
+}
+
+void Serve(const server::Config& config, const std::vector<std::unique_ptr<server::Axis>>& axes,
+           const sigset_t& ending) {
+  rpc::AxisRegistry registry;
+  for (const auto& axis : axes) {
+    const auto& description = axis->gate().description();
+    registry.Add({description.name, axis->gate(), axis->broadcast()});
+    std::cerr << "axis " << description.name << ": " << description.realtime_message << '\n';
+  }
+  rpc::Server server(config.listen, registry);
+  std::cout << "listening on " << server.address() << std::endl;
+  int signal = 0;
+  sigwait(&ending, &signal);
+  std::cerr << "ending on signal " << signal << '\n';
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"mwidthd " MWIDTH_VERSION ": renders virtual masses on robot joints, and only stable ones"};
+  // Every later thread inherits the mask: these signals reach nobody but the sigwait above.
+  sigset_t ending;
+  sigemptyset(&ending);
+  sigaddset(&ending, SIGTERM);
+  sigaddset(&ending, SIGINT);
+  pthread_sigmask(SIG_BLOCK, &ending, nullptr);
+  try {
+    const CommandLine line = Parse(app, argc, argv);
+    const server::Config config = Load(line);
+    std::vector<std::unique_ptr<server::Axis>> axes;
+    for (const server::AxisConfig& axis : config.axes) {
+      axes.push_back(std::make_unique<server::Axis>(axis, config, line.axis));
+    }
+    Serve(config, axes, ending);
+    return 0;
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kExitUsage;
+  } catch (const server::ConfigError& error) {
+    std::cerr << "mwidthd: " << error.what() << '\n';
+    return kExitUsage;
+  } catch (const std::exception& error) {
+    std::cerr << "mwidthd: " << error.what() << '\n';
+    return kExitFailure;
+  }
+}
