@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "device/drive.h"
 #include "server/config.h"
@@ -16,8 +17,9 @@ namespace mwidth::server {
 
 /// What the command line decides for every axis.
 struct AxisOptions {
-  /// Times real time; 1 runs on the monotonic clock itself, which a simulated axis may leave.
-  double simulation_speed = 1;
+  /// Simulated axes run in lock step with their clock, this many times as fast as real time at most; none: in real
+  /// time, where deadlines can be missed.
+  std::optional<double> simulation_speed;
   bool allow_non_realtime = false;
 };
 

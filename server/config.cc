@@ -11,7 +11,7 @@ namespace mwidth::server {
 namespace {
 
 constexpr double kDefaultGainMarginDb = 3;
-constexpr int kDefaultMaxMissedTicks = 20;
+constexpr int kDefaultMaxMissedTicks = 5;
 constexpr int kDefaultPriority = 80;
 constexpr int kDefaultMaxStreams = 64;
 constexpr int kDefaultStreamQueueSamples = 20'000;
@@ -46,7 +46,7 @@ LimitsConfig ReadLimits(ConfigTable limits) {
       .position_min = limits.Number("position_min", {-kLargest, kLargest}),
       .position_max = limits.Number("position_max", {-kLargest, kLargest}),
       .velocity = limits.Number("velocity", {0, kLargest, true}),
-      .max_missed_ticks = limits.IntegerOr("max_missed_ticks", {0, 1000}, kDefaultMaxMissedTicks),
+      .max_missed_ticks = limits.IntegerOr("max_missed_ticks", {0, 16}, kDefaultMaxMissedTicks),
   };
   if (read.position_min >= read.position_max) {
     limits.Refuse("position_max", "must be above position_min");

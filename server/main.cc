@@ -42,9 +42,9 @@ CommandLine Parse(CLI::App& app, int argc, char** argv) {
       ->check(CLI::PositiveNumber)
       ->needs("--hand-motion");
   app.add_option("--simulation-speed", line.axis.simulation_speed,
-                 "Run the simulation this many times as fast as real time")
-      ->check(CLI::Range(0.01, kFastestSimulation))
-      ->capture_default_str();
+                 "Run the simulation in lock step with its clock, at most this many times as fast as real time: no "
+                 "deadline is ever missed")
+      ->check(CLI::Range(0.01, kFastestSimulation));
   app.add_flag("--allow-non-realtime", line.axis.allow_non_realtime,
                "Render on a real drive even where the host refuses real-time scheduling");
   app.set_version_flag("--version", MWIDTH_VERSION);

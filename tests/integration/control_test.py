@@ -44,7 +44,7 @@ def wait_for(condition):
 
 class ControlTest(unittest.TestCase):
     def setUp(self):
-        self.server = self.enterContext(ServerProcess("--config", "elbow"))
+        self.server = self.enterContext(ServerProcess("--config", "elbow", "--simulation-speed", 1))
 
     def assert_refused(self, call, code, reason):
         error, details = refused(call)

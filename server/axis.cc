@@ -1,0 +1,95 @@
+#include "server/axis.h"
+
+#include <chrono>
+
+#include "device/hand_motion.h"
+#include "device/simulated_drive.h"
+
+namespace mwidth::server {
+namespace {
+
+// How long a sample waits for its subscribers at most, and how many arrive at once.
+constexpr std::chrono::milliseconds kDrainPeriod{5};
+
+std::unique_ptr<exchange::Clock> MakeClock(const AxisOptions& options) {
+  if (options.simulation_speed) {
+    return std::make_unique<exchange::SimulatedClock>(*options.simulation_speed);
+  }
+  return std::make_unique<exchange::MonotonicClock>();
+}
+
+std::unique_ptr<device::HandMotion> MakeHandMotion(const HandMotionConfig& motion, model::AxisKind kind) {
+  if (!motion.file.empty()) {
+    return std::make_unique<device::RecordedMotion>(motion.file, kind, motion.reach);
+  }
+  return std::make_unique<device::MinimumJerkReach>(device::ReachParameters{
+      .amplitude = motion.amplitude, .duration_s = motion.duration_s, .hold_s = motion.hold_s});
+}
+
+std::unique_ptr<device::Drive> MakeDrive(const AxisConfig& config) {
+  return std::make_unique<device::SimulatedDrive>(
+      device::SimulatedDriveConfig{.loop = config.loop,
+                                   .position_quantum = config.drive.position_quantum,
+                                   .force_quantum = config.drive.force_quantum},
+      MakeHandMotion(config.drive.hand_motion, config.kind));
+}
+
+render::LoopConfig MakeLoopConfig(const AxisConfig& config) {
+  render::LoopConfig loop;
+  loop.period_s = config.loop.period_s;
+  loop.cutoff_hz = config.loop.cutoff_hz;
+  loop.force_limit = config.limits.force;
+  loop.position_min = config.limits.position_min;
+  loop.position_max = config.limits.position_max;
+  loop.velocity_limit = config.limits.velocity;
+  loop.max_missed_ticks = static_cast<uint32_t>(config.limits.max_missed_ticks);
+  loop.realtime.priority = config.realtime.priority;
+  loop.realtime.cpu = config.realtime.cpu.value_or(-1);
+  return loop;
+}
+
+gate::AxisDescription Describe(const AxisConfig& config, bool simulated, const render::RealtimeReport& realtime,
+                               const AxisOptions& options) {
+  gate::AxisDescription description{
+      .name = config.name,
+      .kind = config.kind,
+      .loop = config.loop,
+      .mass_min = config.limits.mass_min,
+      .mass_max = config.limits.mass_max,
+      .force_limit = config.limits.force,
+      .required_gain_margin_db = config.required_gain_margin_db,
+      .simulated = simulated,
+      .realtime = realtime.realtime,
+      .realtime_message = realtime.message,
+      .rendering_blocked_reason = "",
+  };
+  if (!realtime.realtime && !simulated && !options.allow_non_realtime) {
+    description.rendering_blocked_reason =
+        "the loop has no real-time scheduling (" + realtime.message +
+        "); change that, or start mwidthd with --allow-non-realtime to accept missed deadlines on a real drive";
+  }
+  return description;
+}
+
+}  // namespace
+
+Axis::Axis(const AxisConfig& config, const Config& server, const AxisOptions& options)
+    : clock_(MakeClock(options)),
+      drive_(MakeDrive(config)),
+      broadcast_({.max_subscribers = static_cast<std::size_t>(server.max_streams),
+                  .max_queued_samples = static_cast<std::size_t>(server.stream_queue_samples)}),
+      drain_(crossing_.samples, {&broadcast_}, kDrainPeriod),
+      loop_(std::make_unique<render::Loop>(*drive_, crossing_, *clock_, MakeLoopConfig(config))) {
+  drain_.Start();
+  const render::RealtimeReport realtime = loop_->Start();
+  gate_ = std::make_unique<gate::AxisGate>(Describe(config, drive_->Info().simulated, realtime, options), crossing_,
+                                           *clock_);
+}
+
+Axis::~Axis() {
+  loop_->Stop();
+  drain_.Stop();
+  broadcast_.Close();
+}
+
+}  // namespace mwidth::server
