@@ -75,7 +75,7 @@ void Serve(const server::Config& config, const std::vector<std::unique_ptr<serve
     registry.Add({description.name, axis->gate(), axis->broadcast()});
     std::cerr << "axis " << description.name << ": " << description.realtime_message << '\n';
   }
-  rpc::Server server(config.listen, registry);
+  rpc::Server server(registry, config.listen, MWIDTH_VERSION);
   std::cout << "listening on " << server.address() << std::endl;
   int signal = 0;
   sigwait(&ending, &signal);
