@@ -1,6 +1,7 @@
 #include "server/axis.h"
 
 #include <chrono>
+#include <stdexcept>
 
 #include "device/hand_motion.h"
 #include "device/simulated_drive.h"
@@ -20,7 +21,11 @@ std::unique_ptr<exchange::Clock> MakeClock(const AxisOptions& options) {
 
 std::unique_ptr<device::HandMotion> MakeHandMotion(const HandMotionConfig& motion, model::AxisKind kind) {
   if (!motion.file.empty()) {
-    return std::make_unique<device::RecordedMotion>(motion.file, kind, motion.reach);
+    try {
+      return std::make_unique<device::RecordedMotion>(motion.file, kind, motion.reach);
+    } catch (const std::runtime_error& error) {
+      throw ConfigError(error.what());
+    }
   }
   return std::make_unique<device::MinimumJerkReach>(device::ReachParameters{
       .amplitude = motion.amplitude, .duration_s = motion.duration_s, .hold_s = motion.hold_s});

@@ -27,7 +27,8 @@ struct AxisOptions {
 /// asked to.
 class Axis {
  public:
-  /// Throws std::runtime_error where the drive or the hand's recording cannot be used.
+  /// Throws ConfigError where the hand's recording cannot be used, and std::invalid_argument for a contradiction in
+  /// the configuration.
   Axis(const AxisConfig& config, const Config& server, const AxisOptions& options);
   Axis(const Axis&) = delete;
   Axis& operator=(const Axis&) = delete;

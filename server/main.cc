@@ -5,6 +5,7 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <vector>
 
 #include "server/axis.h"
@@ -104,6 +105,9 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kExitUsage;
   } catch (const server::ConfigError& error) {
+    std::cerr << "mwidthd: " << error.what() << '\n';
+    return kExitUsage;
+  } catch (const std::invalid_argument& error) {
     std::cerr << "mwidthd: " << error.what() << '\n';
     return kExitUsage;
   } catch (const std::exception& error) {

@@ -54,8 +54,8 @@ class ControlTest(unittest.TestCase):
         self.assertGreater(len(error.details()), 20, "a sentence")
         return error, details
 
-    def rendering_lease(self, mass=0.05):
-        lease = self.server.acquire()
+    def rendering_lease(self, mass=0.05, ttl_s=10):
+        lease = self.server.acquire(ttl_s)
         self.server.start(lease)
         self.server.set_mass(lease, mass, ramp=seconds(0))
         wait_for(lambda: self.server.state().mass == mass)
@@ -110,7 +110,7 @@ class ControlTest(unittest.TestCase):
         self.assertEqual(self.server.state().state, rendering.STATE_RENDERING)
 
     def test_a_second_client_may_watch_but_not_control(self):
-        lease = self.rendering_lease()
+        lease = self.rendering_lease(ttl_s=2)
         error, _ = self.assert_refused(lambda: self.server.acquire(name="second"),
                                        grpc.StatusCode.FAILED_PRECONDITION, "CONTROL_HELD")
         self.assertIn("test", error.details(), "names the holder")
@@ -120,7 +120,6 @@ class ControlTest(unittest.TestCase):
                                      telemetry.StreamSamplesResponse.FromString)
         self.assertGreater(len(next(watch(telemetry.StreamSamplesRequest())).batch.position), 0)
         channel.close()
-        self.server.rendering.ReleaseControl(rendering.ReleaseControlRequest(lease_id=lease))
         wait_for(lambda: self.server.state().state == rendering.STATE_READY)
         other = self.server.acquire(name="second")
         self.assert_refused(lambda: self.server.set_mass(lease, 0.05), grpc.StatusCode.ABORTED, "LEASE_LOST")
