@@ -20,7 +20,7 @@ enum class RefusalCode : uint8_t {
   kNotFound,            // no such axis
   kPermissionDenied,    // another role
   kResourceExhausted,   // fewer or smaller requests
-  kUnavailable,         // the loop does not answer
+  kUnavailable,         // the loop does not answer, or the server stops
 };
 
 // Reasons, as programs read them. Part of the API: never renamed.
@@ -37,6 +37,7 @@ inline constexpr const char* kLoopSilent = "LOOP_SILENT";
 inline constexpr const char* kUnknownAxis = "UNKNOWN_AXIS";
 inline constexpr const char* kAmbiguousAxis = "AMBIGUOUS_AXIS";
 inline constexpr const char* kTooManyStreams = "TOO_MANY_STREAMS";
+inline constexpr const char* kShuttingDown = "SHUTTING_DOWN";
 
 /// A request that was not granted; nothing has changed unless the message says so.
 struct Refusal {
