@@ -1,7 +1,8 @@
 // Takes control of an axis, renders a mass, prints a second of samples and shows what a refusal looks like.
 //
-//   mwidth_example [HOST:PORT]
+//   mwidth-example [HOST:PORT]      without it: MWIDTH_SERVER, or 127.0.0.1:50051
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <variant>
 
@@ -49,8 +50,10 @@ void Run(const char* address) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  const char* configured = std::getenv("MWIDTH_SERVER");
+  const char* address = configured != nullptr ? configured : "127.0.0.1:50051";
   try {
-    Run(argc > 1 ? argv[1] : "127.0.0.1:50051");
+    Run(argc > 1 ? argv[1] : address);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 1;

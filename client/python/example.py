@@ -1,9 +1,10 @@
 #!/usr/bin/python3
 """Takes control of an axis, renders a mass, prints a second of samples and shows what a refusal looks like.
 
-After a build: build/release/python/example.py [HOST:PORT]
+After a build: build/release/python/example.py [HOST:PORT]. Without it, MWIDTH_SERVER or 127.0.0.1:50051.
 """
 
+import os
 import sys
 
 import mwidth
@@ -37,6 +38,6 @@ def run(address):
 
 if __name__ == "__main__":
     try:
-        run(sys.argv[1] if len(sys.argv) > 1 else "127.0.0.1:50051")
+        run(sys.argv[1] if len(sys.argv) > 1 else os.environ.get("MWIDTH_SERVER", "127.0.0.1:50051"))
     except mwidth.Error as error:
         sys.exit(str(error))
