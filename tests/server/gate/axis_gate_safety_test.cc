@@ -75,6 +75,13 @@ TEST_F(AxisGateSafetyTest, ARenderingThatTheLoopEndedByItselfForgetsTheMass) {
   EXPECT_EQ(MassOfNextStart(gate.AcquireControl("test", 1)->id), 0);
 }
 
+TEST_F(AxisGateSafetyTest, AMassWhoseLeaseExpiresWhileItIsJudgedIsRefused) {
+  const std::string lease = Render(0.5);
+  clock.AdvanceAfterNextLookS(1);
+  ExpectRefused(gate.SetMass(lease, {.mass = 0.1}), RefusalCode::kFailedPrecondition, kNoLease);
+  EXPECT_EQ(loop.settings().mass, 0.5);
+}
+
 TEST_F(AxisGateSafetyTest, AnotherHolderMeetsNoMassOfTheFirst) {
   const std::string first = Acquire();
   ASSERT_TRUE(gate.SetMass(first, {.mass = 0.5}).ok());

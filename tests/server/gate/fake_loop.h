@@ -12,13 +12,16 @@ namespace mwidth::gate {
 
 class FakeClock final : public exchange::Clock {
  public:
-  int64_t NowNs() const noexcept override { return now_ns_; }
+  int64_t NowNs() const noexcept override { return now_ns_.fetch_add(step_ns_.exchange(0)); }
   void SleepUntilNs(int64_t deadline_ns) noexcept override { now_ns_ = deadline_ns; }
   void AdvanceS(double seconds) { now_ns_ += static_cast<int64_t>(seconds * 1e9); }
+  /// Lets that much time pass right after somebody looks at the clock next.
+  void AdvanceAfterNextLookS(double seconds) { step_ns_ = static_cast<int64_t>(seconds * 1e9); }
 
  private:
   // Far from 0, as a monotonic clock is.
-  std::atomic<int64_t> now_ns_{5'000'000'000};
+  mutable std::atomic<int64_t> now_ns_{5'000'000'000};
+  mutable std::atomic<int64_t> step_ns_{0};
 };
 
 /// Not thread-safe: tick it from the test or from one thread.
