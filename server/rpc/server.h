@@ -20,8 +20,8 @@ inline constexpr int kMaxRequestBytes = 64 * 1024;
 /// Serves the API, the standard health service and server reflection, from construction to Shutdown.
 class Server {
  public:
-  /// Listens on `address` ("HOST:PORT"; port 0: any free one), which no other process may share. `axes` outlives
-  /// the server. Throws std::runtime_error, with what to do, where the address cannot be had.
+  /// Listens on `address` ("HOST:PORT"; port 0: any free one), which no other process may share. `axes`
+  /// outlives the server. Throws std::runtime_error, with what to do, where the address cannot be had.
   Server(const AxisRegistry& axes, const std::string& address, const std::string& server_version);
   /// Shuts down at once unless Shutdown was called.
   ~Server();
@@ -31,8 +31,9 @@ class Server {
   /// "HOST:PORT" with the port that was bound.
   const std::string& address() const { return address_; }
 
-  /// Reports NOT_SERVING, accepts nothing more, lets running calls finish for `patience`, then cancels them. Any
-  /// thread but a handler's; the second call does nothing. An axis goes on as its lease says: stop its loop first.
+  /// Reports NOT_SERVING, accepts nothing more, lets running calls finish for `patience`, then cancels them.
+  /// Any thread but a handler's; the second call does nothing. An axis goes on as its lease says: stop its
+  /// loop first.
   void Shutdown(std::chrono::milliseconds patience);
 
  private:
