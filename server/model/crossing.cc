@@ -48,6 +48,7 @@ class Loop {
     const CircleValue w = W(at);
     const double u = 4 * at.s;
     const double real_part = plant_.static_gap - u * (1 - plant_.loss / 2);
+    // Size over value is how many times its rounding a number carries; compared without dividing.
     const double lost_in_im = w.im_size * std::abs(w.re * real_part);
     const double lost_in_re =
         std::abs(w.im) * std::max(w.re_size * std::abs(real_part), std::abs(w.re) * (plant_.static_gap + u));
@@ -64,8 +65,8 @@ class Loop {
   // Coefficients of Disagreement as a form. Returns its degree.
   int DisagreementForm(Form& form) const noexcept;
 
-  // Without delay Disagreement is -(second u^2 - first u + zeroth): the paper's loop in closed form. Both
-  // values of u, which may lie outside 0..4 or be NaN.
+  // Without delay Disagreement is -(Gamma u^2 - first u + zeroth), Gamma = hold[1]: the paper's loop in
+  // closed form. Both values of u, which may lie outside 0..4 or be NaN.
   std::array<double, 2> QuadraticRoots() const noexcept;
 
  private:
@@ -79,6 +80,7 @@ class Loop {
 
 int Loop::DisagreementForm(Form& form) const noexcept {
   const auto& n = plant_.hold;
+  // hold[0] + hold[1]/z + hold[2]/z^2, with 1 = c + s, cos t = c - s and cos 2t = c^2 - 6 c s + s^2.
   CircleForm w;
   if (n[2] == 0) {
     w.degree = 1;
