@@ -30,8 +30,9 @@ TEST(LimitsTest, NeverAllowsACountWhoseForceIsBeyondTheLimit) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> exponent(-6, 2);
   for (int i = 0; i < 100'000; ++i) {
-    const double limit = std::pow(10, exponent(random));
     const double quantum = std::pow(10, exponent(random)) * 1e-4;
+    // Every other limit just below a whole number of counts, where the division rounds up to it.
+    const double limit = i % 2 == 0 ? std::pow(10, exponent(random)) : std::nextafter((i + 1) * quantum, 0);
     const int32_t counts = LargestForceCounts(limit, quantum);
     ASSERT_GE(counts, 0);
     ASSERT_LE(counts * quantum, limit);

@@ -26,6 +26,7 @@ class ScriptedDrive final : public device::Drive {
   }
   bool Write(int32_t force_counts) noexcept override {
     ++writes;
+    last_written_counts = force_counts;
     writes_while_disabled += enabled ? 0 : 1;
     if (takes_writes && enabled) {
       acting_counts = force_counts;
@@ -43,6 +44,7 @@ class ScriptedDrive final : public device::Drive {
   // What was asked of it, and the force that the motor now makes.
   bool enabled = false;
   int32_t acting_counts = 0;
+  int32_t last_written_counts = 0;
   int enables = 0;
   int disables = 0;
   int writes = 0;

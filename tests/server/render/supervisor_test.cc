@@ -20,6 +20,7 @@ constexpr double kMass = 0.3;
 
 void ExpectSafe(const Axis& axis) {
   EXPECT_EQ(axis.drive.acting_counts, 0);
+  EXPECT_EQ(axis.drive.last_written_counts, 0);  // Told twice: by the force and by the switch.
   EXPECT_FALSE(axis.drive.enabled);
   EXPECT_EQ(axis.sample.force_counts, 0);
   EXPECT_EQ(axis.sample.mass, 0);
@@ -480,6 +481,8 @@ TEST(SupervisorTest, NeverRendersAMassThatIsNoNumber) {
     starting.Start(mass, 0.1);
     starting.Run();
     EXPECT_EQ(starting.status.fault.fault, Fault::kNotFinite);
+    EXPECT_TRUE(starting.status.fault.value == mass ||
+                (std::isnan(mass) && std::isnan(starting.status.fault.value)));
     ExpectSafe(starting);
   }
 }
