@@ -12,8 +12,7 @@ constexpr double kSeriesReach = 0.5;
 constexpr int kSeriesTerms = 16;
 
 /// Taylor series. The coefficients of the impulse response x = sum c_n t^n / n! follow from the equation of
-/// motion: c_1 = 1, c_(n+1) = -damping c_n - stiffness c_(n-1); step and ramp are its integrals, term by
-/// term.
+/// motion: c_1 = 1, c_(n+1) = -damping c_n - stiffness c_(n-1); the others are its integrals, term by term.
 PlantResponse Series(double time_s, double damping_rate, double stiffness_rate) {
   PlantResponse response;
   double before = 0;
@@ -24,6 +23,7 @@ PlantResponse Series(double time_s, double damping_rate, double stiffness_rate) 
     response.impulse += term;
     response.step += term * time_s / (n + 1);
     response.ramp += term * time_s / (n + 1) * time_s / (n + 2);
+    response.parabola += term * time_s / (n + 1) * time_s / (n + 2) * time_s / (n + 3);
     const double next = -damping_rate * coefficient - stiffness_rate * before;
     before = coefficient;
     coefficient = next;
@@ -43,6 +43,8 @@ PlantResponse Doubled(const PlantResponse& half, double half_time_s, double damp
   whole.impulse = half.impulse * (position_kept + velocity_kept);
   whole.step = half.step * (1 + position_kept) + half.impulse * half.impulse;
   whole.ramp = half.ramp * (1 + position_kept) + half.impulse * half.step + half_time_s * half.step;
+  whole.parabola = half.parabola * (1 + position_kept) + half.impulse * half.ramp +
+                   half_time_s * (half.ramp + half_time_s / 2 * half.step);
   whole.velocity_loss = damping_rate * whole.impulse + stiffness_rate * whole.step;
   return whole;
 }
@@ -83,12 +85,18 @@ HybridSimulation::HybridSimulation(const LoopParameters& loop) {
                       .velocity = whole.impulse,
                       .hand_step = damping_pull * whole.step + stiffness_pull * whole.ramp,
                       .older_force = (late.step - whole.step) / mass,
-                      .newer_force = -late.step / mass};
+                      .newer_force = -late.step / mass,
+                      .drive = whole.step / mass,
+                      .drive_slope = whole.ramp / mass / loop.period_s,
+                      .drive_bend = whole.parabola / mass / (loop.period_s * loop.period_s)};
   velocity_growth_ = {.stretch = -stiffness_rate * whole.impulse,
                       .velocity = -whole.velocity_loss,
                       .hand_step = damping_pull * whole.impulse + stiffness_pull * whole.step,
                       .older_force = (late.impulse - whole.impulse) / mass,
-                      .newer_force = -late.impulse / mass};
+                      .newer_force = -late.impulse / mass,
+                      .drive = whole.impulse / mass,
+                      .drive_slope = whole.step / mass / loop.period_s,
+                      .drive_bend = whole.ramp / mass / (loop.period_s * loop.period_s)};
 }
 
 void HybridSimulation::Reset(double position, double velocity, double hand_position) noexcept {
@@ -98,22 +106,33 @@ void HybridSimulation::Reset(double position, double velocity, double hand_posit
   commands_.fill(0);
 }
 
-double HybridSimulation::Over(const Growth& growth, double hand_step) const noexcept {
+double HybridSimulation::Over(const Growth& growth, const HandInput& hand) const noexcept {
   return growth.stretch * (position_ - hand_position_) + growth.velocity * velocity_ +
-         growth.hand_step * hand_step + growth.newer_force * commands_[delay_ticks_] +
-         growth.older_force * commands_[delay_ticks_ + 1];
+         growth.hand_step * hand.step + growth.newer_force * commands_[delay_ticks_] +
+         growth.older_force * commands_[delay_ticks_ + 1] + growth.drive * hand.drive +
+         growth.drive_slope * hand.drive_slope + growth.drive_bend * hand.drive_bend;
 }
 
-double HybridSimulation::Advance(double hand_position_next) noexcept {
-  const double hand_step = hand_position_next - hand_position_;
-  const double position_gain = Over(position_growth_, hand_step);
-  const double velocity_gain = Over(velocity_growth_, hand_step);
+double HybridSimulation::Step(const HandInput& hand) noexcept {
+  const double position_gain = Over(position_growth_, hand);
+  const double velocity_gain = Over(velocity_growth_, hand);
   // Gains are added, not whole values multiplied: at 10 us a tick changes the position by parts in 1e12.
   position_ += position_gain;
   velocity_ += velocity_gain;
-  hand_position_ = hand_position_next;
   std::copy_backward(commands_.begin(), commands_.end() - 1, commands_.end());
   return position_;
+}
+
+double HybridSimulation::Advance(double hand_position_next) noexcept {
+  const double position = Step({.step = hand_position_next - hand_position_});
+  hand_position_ = hand_position_next;
+  return position;
+}
+
+double HybridSimulation::AdvanceUnder(double drive, double drive_middle, double drive_next) noexcept {
+  return Step({.drive = drive,
+               .drive_slope = 4 * drive_middle - 3 * drive - drive_next,
+               .drive_bend = 4 * (drive - 2 * drive_middle + drive_next)});
 }
 
 }  // namespace mwidth::model

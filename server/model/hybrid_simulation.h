@@ -15,13 +15,15 @@
 
 namespace mwidth::model {
 
-/// Free, step and ramp responses at one time of the mass, damper and spring. Every motion under a force that
-/// is linear in time is a combination of these four numbers.
+/// Free and forced responses at one time of the mass, damper and spring. Every motion under a force that is
+/// linear or quadratic in time is a combination of these numbers.
 struct PlantResponse {
-  /// Response of position to a unit impulse, a unit step and a unit ramp of acceleration; s, s^2, s^3.
+  /// Response of position to a unit impulse, a unit step, a unit ramp and a parabola t^2/2 of acceleration;
+  /// s, s^2, s^3, s^4.
   double impulse = 0;
   double step = 0;
   double ramp = 0;
+  double parabola = 0;
   /// What a unit velocity has lost. The free motion from x0 and v0 is
   ///   x(t) = x0 - stiffness_rate step x0 + impulse v0,
   ///   v(t) = v0 - velocity_loss v0 - stiffness_rate impulse x0.
@@ -51,6 +53,10 @@ class HybridSimulation {
   /// Steps from kT to (k+1)T while the hand moves to `hand_position_next`; returns X(k+1). Exact up to
   /// rounding. Rt.
   double Advance(double hand_position_next) noexcept;
+  /// The same under a hand drive b_h x_h' + k_h x_h, in N or N m, that is the parabola through its values at
+  /// the beginning, the middle and the end of the tick. hand_position() stays, and the spring counts from it:
+  /// reset it to 0. Made for a smooth motion of the hand, of which a polygon would falsify the velocity. Rt.
+  double AdvanceUnder(double drive, double drive_middle, double drive_next) noexcept;
 
   double position() const noexcept { return position_; }
   double velocity() const noexcept { return velocity_; }
@@ -64,8 +70,19 @@ class HybridSimulation {
     double hand_step = 0;    ///< way of the hand during the tick
     double older_force = 0;  ///< force that acts until the delay's fraction has passed
     double newer_force = 0;  ///< force that acts after it
+    double drive = 0;        ///< drive of the hand at the beginning of the tick
+    double drive_slope = 0;  ///< its slope there, per tick
+    double drive_bend = 0;   ///< its second derivative, per tick squared
   };
-  double Over(const Growth& growth, double hand_step) const noexcept;
+  /// What changes the hand's pull during one tick.
+  struct HandInput {
+    double step = 0;
+    double drive = 0;
+    double drive_slope = 0;
+    double drive_bend = 0;
+  };
+  double Over(const Growth& growth, const HandInput& hand) const noexcept;
+  double Step(const HandInput& hand) noexcept;
 
   /// Validate allows a delay of 3 periods: F_a(k) to F_a(k-4) can act during tick k.
   static constexpr std::size_t kCommands = 5;

@@ -85,12 +85,13 @@ TEST(HybridSimulation, RespondsToThirteenDigitsAtAnyDamping) {
     const double damping_rate = draw.OneIn(8) ? 0 : draw.LogUniform(1e-8, 1e10);
     const double stiffness_rate = draw.OneIn(8) ? 0 : draw.LogUniform(1e-8, 1e4 / (time_s * time_s));
     const PlantResponse response = RespondAfter(time_s, damping_rate, stiffness_rate);
-    Matrix a{};  // position, velocity, acceleration, its slope
+    Matrix a{};  // position, velocity, acceleration, its slope, its bend
     a[0][1] = 1;
     a[1][0] = -stiffness_rate;
     a[1][1] = -damping_rate;
     a[1][2] = 1;
     a[2][3] = 1;
+    a[3][4] = 1;
     const Matrix flow = Exponential(a, time_s);
     // Accuracy is relative, except to what an oscillation reaches when it happens to pass near zero.
     const double radians = std::sqrt(stiffness_rate) * time_s;
@@ -99,10 +100,12 @@ TEST(HybridSimulation, RespondsToThirteenDigitsAtAnyDamping) {
     const double step_scale = radians > 1 ? 1 / stiffness_rate : 0;
     const auto step = static_cast<double>(flow[0][2]);
     const auto ramp = static_cast<double>(flow[0][3]);
+    const auto parabola = static_cast<double>(flow[0][4]);
     const auto loss = static_cast<double>(1 - flow[1][1]);
     EXPECT_NEAR(response.impulse, static_cast<double>(flow[0][1]), relative * impulse_scale) << i;
     EXPECT_NEAR(response.step, step, relative * std::max(std::abs(step), step_scale)) << i;
     EXPECT_NEAR(response.ramp, ramp, relative * ramp) << i;
+    EXPECT_NEAR(response.parabola, parabola, relative * parabola) << i;
     EXPECT_NEAR(response.velocity_loss, loss,
                 relative * std::max(std::abs(loss), step_scale * stiffness_rate))
         << i;
@@ -156,6 +159,41 @@ TEST(HybridSimulation, TrailsASteadyHandByTheDeviceDampingAlone) {
   // b v / k_h: 0.005 N s/m at 0.1 m/s against 700 N/m.
   EXPECT_NEAR(simulation.hand_position() - simulation.position(), 0.005 * 0.1 / 700, 1e-14);
   EXPECT_NEAR(simulation.velocity(), 0.1, 1e-13);
+}
+
+TEST(HybridSimulation, MovesUnderADriveAsUnderTheHandThatExertsIt) {
+  LoopParameters loop = PaperLoop();
+  loop.delay_s = 0.3e-3;
+  // Without damping in the hand, a straight way of the hand is a straight drive.
+  loop.device_damping = 5.005;
+  loop.hand_damping = 0;
+  HybridSimulation held(loop);
+  HybridSimulation driven(loop);
+  Draw draw(3);
+  double hand = 0;
+  for (int tick = 0; tick < 100; ++tick) {
+    const double force = draw.Uniform(-1, 1);
+    const double hand_next = hand + draw.Uniform(-0.01, 0.01);
+    held.Command(force);
+    driven.Command(force);
+    held.Advance(hand_next);
+    driven.AdvanceUnder(700 * hand, 350 * (hand + hand_next), 700 * hand_next);
+    hand = hand_next;
+    EXPECT_NEAR(driven.position(), held.position(), 1e-15);
+    EXPECT_NEAR(driven.velocity(), held.velocity(), 1e-13);
+  }
+}
+
+TEST(HybridSimulation, GathersMomentumFromADrive) {
+  LoopParameters loop;
+  loop.device_mass = 2;
+  loop.period_s = 1e-2;
+  loop.cutoff_hz = 1;
+  HybridSimulation simulation(loop);
+  // 3 + 12 y - 6 y^2 N, y the share of the tick; its integral is 7, and the integral of that 3.
+  simulation.AdvanceUnder(3, 7.5, 9);
+  EXPECT_NEAR(simulation.velocity(), 7 * 1e-2 / 2, 1e-16);
+  EXPECT_NEAR(simulation.position(), 3 * 1e-4 / 2, 1e-18);
 }
 
 TEST(HybridSimulation, FreeDeviceGlidesStraightOn) {
