@@ -1,0 +1,75 @@
+#include "server/model/force_noise.h"
+
+#include <cmath>
+#include <cstddef>
+
+#include "server/model/m_width.h"
+#include "server/model/plant.h"
+#include "server/model/white_noise_gain.h"
+
+namespace mwidth::model {
+namespace {
+
+std::optional<double> Deviation(const DifferencePolynomial& numerator,
+                                const DifferencePolynomial& denominator, double position_quantum) {
+  const std::optional<double> gain = WhiteNoiseGain(numerator, denominator);
+  return gain ? std::optional(position_quantum * std::sqrt(*gain / 12)) : std::nullopt;
+}
+
+DifferencePolynomial Scaled(DifferencePolynomial polynomial, double factor) {
+  for (double& coefficient : polynomial) {
+    coefficient *= factor;
+  }
+  return polynomial;
+}
+
+DifferencePolynomial Sum(DifferencePolynomial longer, const DifferencePolynomial& shorter) {
+  for (std::size_t i = 0; i < shorter.size(); ++i) {
+    longer[i] += shorter[i];
+  }
+  return longer;
+}
+
+// G(z) z^-delay of plant.h as polynomials in w = z - 1.
+struct Plant {
+  DifferencePolynomial numerator;
+  DifferencePolynomial denominator;
+};
+
+Plant InDifferences(const SampledPlant& plant) {
+  const auto& n = plant.hold;
+  const double q = plant.static_gap;
+  Plant result{.numerator = {plant.gain * (n[0] + n[1]), plant.gain * n[0]},
+               .denominator = {q, q + plant.loss, 1}};
+  int delays = plant.delay_ticks;
+  if (n[2] != 0) {
+    result.numerator = {plant.gain * (n[0] + n[1] + n[2]), plant.gain * (2 * n[0] + n[1]), plant.gain * n[0]};
+    ++delays;
+  }
+  for (int i = 0; i < delays; ++i) {
+    result.denominator = Multiply(result.denominator, {1, 1});
+  }
+  return result;
+}
+
+}  // namespace
+
+std::optional<double> OpenLoopForceNoise(const LinearEstimator& estimator, double mass,
+                                         double position_quantum) {
+  return Deviation(Scaled(estimator.numerator, mass), estimator.denominator, position_quantum);
+}
+
+std::optional<double> ForceNoise(const LoopParameters& loop, double mass, double position_quantum) {
+  // Beyond an edge the loop may be stable again, but no ramp of the mass gets there.
+  if (!ComputeMWidth(loop).Contains(mass)) {
+    return std::nullopt;
+  }
+  const LinearEstimator estimator = PaperEstimator(loop.period_s, loop.cutoff_hz);
+  const Plant plant = InDifferences(Discretize(loop));
+  const DifferencePolynomial rendered = Scaled(estimator.numerator, mass);
+  const DifferencePolynomial characteristic =
+      Sum(Multiply(estimator.denominator, plant.denominator), Multiply(rendered, plant.numerator));
+  return Deviation(Multiply(rendered, plant.denominator), characteristic, position_quantum);
+}
+
+}  // namespace mwidth::model
