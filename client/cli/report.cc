@@ -177,7 +177,8 @@ std::string RefusalReport(const v1::StabilityReport& report, const v1::AxisInfo&
   } else {
     out << "  No cut-off of the filter would admit it.\n";
   }
-  out << "  The " << (report.requested_mass() < 0 ? "lower" : "upper") << " edge binds. " << report.binding() << "\n";
+  out << "  The " << (report.requested_mass() < 0 ? "lower" : "upper") << " edge binds. " << report.binding()
+      << "\n";
   return out.str();
 }
 
