@@ -91,7 +91,9 @@ Axis::Axis(const AxisConfig& config, const Config& server, const AxisOptions& op
                                            *clock_);
 }
 
-Axis::~Axis() {
+Axis::~Axis() { Stop(); }
+
+void Axis::Stop() {
   loop_->Stop();
   drain_.Stop();
   broadcast_.Close();

@@ -23,7 +23,7 @@ struct AxisOptions {
   bool allow_non_realtime = false;
 };
 
-/// Owns everything of one axis. The loop runs from construction to destruction; it renders only when the gate is
+/// Owns everything of one axis. The loop runs from construction to Stop; it renders only when the gate is
 /// asked to.
 class Axis {
  public:
@@ -32,8 +32,11 @@ class Axis {
   Axis(const AxisConfig& config, const Config& server, const AxisOptions& options);
   Axis(const Axis&) = delete;
   Axis& operator=(const Axis&) = delete;
-  /// Ramps down what is rendered, then ends the loop, then the streams.
+  /// Stops.
   ~Axis();
+
+  /// Ramps down what is rendered, then ends the loop, then the streams. Does no harm twice.
+  void Stop();
 
   gate::AxisGate& gate() { return *gate_; }
   record::Broadcast& broadcast() { return broadcast_; }

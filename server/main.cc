@@ -1,6 +1,7 @@
 // mwidthd: the server. Reads the configuration, wires the axes, serves them, and ends on a signal.
 
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <csignal>
 #include <iostream>
 #include <memory>
@@ -21,6 +22,8 @@ namespace server = mwidth::server;
 constexpr int kExitFailure = 1;
 constexpr int kExitUsage = 2;
 constexpr double kFastestSimulation = 1000;
+// What requests that are under way get to finish.
+constexpr std::chrono::milliseconds kPatience{500};
 
 struct CommandLine {
   std::string config = "paper";
@@ -81,6 +84,10 @@ void Serve(const server::Config& config, const std::vector<std::unique_ptr<serve
   int signal = 0;
   sigwait(&ending, &signal);
   std::cerr << "ending on signal " << signal << '\n';
+  for (const auto& axis : axes) {
+    axis->Stop();
+  }
+  server.Shutdown(kPatience);
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ std::string HostOf(const std::string& address) {
   const bool bracketed = !host.empty() && host.front() == '[' && host.back() == ']';
   if (host.empty() || (host.find(':') != std::string::npos && !bracketed) || !digits ||
       std::stoi(port) > std::numeric_limits<uint16_t>::max()) {
-    throw std::runtime_error(
+    throw std::invalid_argument(
         "cannot listen on '" + address +
         "': give HOST:PORT, such as 127.0.0.1:50051 or [::1]:0, with a port of 0 (any free "
         "one) to 65535");

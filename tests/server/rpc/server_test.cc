@@ -111,7 +111,7 @@ TEST_F(ServerTest, TakesAnAddressForItselfAlone) {
 TEST_F(ServerTest, RefusesAnAddressThatIsNone) {
   for (const char* address : {"", "nonsense", ":50051", "127.0.0.1:", "127.0.0.1:65536", "127.0.0.1:http",
                               "::1:0", "192.0.2.1:0"}) {
-    EXPECT_THROW(Server(axes, address, "0.0.0-test"), std::runtime_error) << address;
+    EXPECT_THROW(Server(axes, address, "0.0.0-test"), std::invalid_argument) << address;
   }
 }
 
