@@ -8,33 +8,11 @@
 //   x_h    straight line from the hand's sample at kT to its sample at (k+1)T
 #pragma once
 
-#include <array>
-#include <cstddef>
-
+#include "server/model/delayed_force.h"
 #include "server/model/loop_parameters.h"
+#include "server/model/plant_response.h"
 
 namespace mwidth::model {
-
-/// Free and forced responses at one time of the mass, damper and spring. Every motion under a force that is
-/// linear or quadratic in time is a combination of these numbers.
-struct PlantResponse {
-  /// Response of position to a unit impulse, a unit step, a unit ramp and a parabola t^2/2 of acceleration;
-  /// s, s^2, s^3, s^4.
-  double impulse = 0;
-  double step = 0;
-  double ramp = 0;
-  double parabola = 0;
-  /// What a unit velocity has lost. The free motion from x0 and v0 is
-  ///   x(t) = x0 - stiffness_rate step x0 + impulse v0,
-  ///   v(t) = v0 - velocity_loss v0 - stiffness_rate impulse x0.
-  double velocity_loss = 0;
-};
-
-/// Response at `time_s` of x'' + damping_rate x' + stiffness_rate x = a(t), with damping_rate (1/s) and
-/// stiffness_rate (1/s^2) at least 0, also both 0. Exact for any damping: a Taylor series over a time short
-/// against both rates, then doublings x(2t) = x(t) after x(t), arranged so that small losses keep their
-/// relative accuracy.
-PlantResponse RespondAfter(double time_s, double damping_rate, double stiffness_rate);
 
 /// One device held by one hand. Each tick: read position(), call Command with the force computed from it,
 /// then Advance to the next tick. Positions in m or rad, velocities per second, forces in N or N m.
@@ -49,7 +27,7 @@ class HybridSimulation {
   void Reset(double position, double velocity, double hand_position) noexcept;
   /// Sets F_a(k), which acts against the positive direction from kT + delay on, and stays in force until the
   /// next command. Rt.
-  void Command(double force) noexcept { commands_[0] = force; }
+  void Command(double force) noexcept { force_.Command(force); }
   /// Steps from kT to (k+1)T while the hand moves to `hand_position_next`; returns X(k+1). Exact up to
   /// rounding. Rt.
   double Advance(double hand_position_next) noexcept;
@@ -74,28 +52,42 @@ class HybridSimulation {
     double drive_slope = 0;  ///< its slope there, per tick
     double drive_bend = 0;   ///< its second derivative, per tick squared
   };
-  /// What changes the hand's pull during one tick.
-  struct HandInput {
-    double step = 0;
-    double drive = 0;
-    double drive_slope = 0;
-    double drive_bend = 0;
-  };
-  double Over(const Growth& growth, const HandInput& hand) const noexcept;
-  double Step(const HandInput& hand) noexcept;
-
-  /// Validate allows a delay of 3 periods: F_a(k) to F_a(k-4) can act during tick k.
-  static constexpr std::size_t kCommands = 5;
+  double Over(const Growth& growth, double hand_pull) const noexcept;
+  /// One tick; what the hand's pull adds to position and velocity.
+  double Step(double position_pull, double velocity_pull) noexcept;
 
   Growth position_growth_;
   Growth velocity_growth_;
-  /// Whole ticks of the delay: commands_[delay_ticks_] is the newer force, the one behind it the older.
-  std::size_t delay_ticks_ = 0;
   double position_ = 0;
   double velocity_ = 0;
   double hand_position_ = 0;
-  /// F_a(k), F_a(k-1), ...
-  std::array<double, kCommands> commands_{};
+  DelayedForce force_;
 };
+
+// Inline, because a simulation is little but this, and a call would cost as much as the arithmetic.
+
+inline double HybridSimulation::Over(const Growth& growth, double hand_pull) const noexcept {
+  // The newest force last: everything else is known while the loop still computes it.
+  return growth.stretch * (position_ - hand_position_) + growth.velocity * velocity_ + hand_pull +
+         growth.older_force * force_.older() + growth.newer_force * force_.newer();
+}
+
+inline double HybridSimulation::Step(double position_pull, double velocity_pull) noexcept {
+  force_.Start();
+  const double position_gain = Over(position_growth_, position_pull);
+  const double velocity_gain = Over(velocity_growth_, velocity_pull);
+  // Gains are added, not whole values multiplied: at 10 us a tick changes the position by parts in 1e12.
+  position_ += position_gain;
+  velocity_ += velocity_gain;
+  return position_;
+}
+
+inline double HybridSimulation::Advance(double hand_position_next) noexcept {
+  const double hand_step = hand_position_next - hand_position_;
+  const double position =
+      Step(position_growth_.hand_step * hand_step, velocity_growth_.hand_step * hand_step);
+  hand_position_ = hand_position_next;
+  return position;
+}
 
 }  // namespace mwidth::model
