@@ -1,0 +1,117 @@
+#include "server/rpc/telemetry_service.h"
+
+#include <gmock/gmock.h>
+#include <grpcpp/generic/generic_stub.h>
+#include <grpcpp/grpcpp.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+
+#include "mwidth/v1/telemetry.pb.h"
+#include "server/exchange/crossing.h"
+#include "tests/server/record/samples.h"
+#include "tests/server/rpc/served_axis.h"
+#include "tests/server/rpc/telemetry_fixture.h"
+
+namespace mwidth::rpc {
+namespace {
+
+using record::BlockOf;
+using testing::ElementsAre;
+
+using TelemetryServiceTest = TelemetryFixture;
+
+TEST_F(TelemetryServiceTest, StreamsEveryColumnOfASample) {
+  exchange::Sample sample;
+  sample.tick = 41;
+  sample.monotonic_ns = -2;
+  sample.position_counts = -3;
+  sample.force_counts = -4;
+  sample.state = exchange::State::kRendering;
+  sample.saturated = true;
+  sample.position_stale = true;
+  sample.position = 0.5;
+  sample.velocity = 0.6;
+  sample.acceleration = 0.7;
+  sample.force = 0.8;
+  sample.mass = 0.9;
+  exchange::Sample next;
+  next.tick = 42;
+  Stream stream = Open();
+  broadcast_.Consume(std::make_shared<record::SampleBlock>(record::SampleBlock{sample, next}));
+  const v1::SampleBatch* batch = stream.Read();
+  ASSERT_NE(batch, nullptr);
+  EXPECT_EQ(batch->axis(), "elbow");
+  EXPECT_EQ(batch->first_tick(), 41);
+  EXPECT_EQ(batch->decimation(), 1);
+  EXPECT_THAT(batch->monotonic_ns(), ElementsAre(-2, 0));
+  EXPECT_THAT(batch->position(), ElementsAre(0.5, 0));
+  EXPECT_THAT(batch->velocity(), ElementsAre(0.6, 0));
+  EXPECT_THAT(batch->acceleration(), ElementsAre(0.7, 0));
+  EXPECT_THAT(batch->force(), ElementsAre(0.8, 0));
+  EXPECT_THAT(batch->mass(), ElementsAre(0.9, 0));
+  EXPECT_THAT(batch->state(), ElementsAre(v1::STATE_RENDERING, v1::STATE_IDLE));
+  EXPECT_THAT(batch->saturated(), ElementsAre(true, false));
+  EXPECT_THAT(batch->position_stale(), ElementsAre(true, false));
+  EXPECT_THAT(batch->position_counts(), ElementsAre(-3, 0));
+  EXPECT_THAT(batch->force_counts(), ElementsAre(-4, 0));
+}
+
+TEST_F(TelemetryServiceTest, SendsTicksThatAreMultiplesOfTheDecimation) {
+  Stream stream = Open(10);
+  broadcast_.Consume(BlockOf(95, 30));
+  const v1::SampleBatch* batch = stream.Read();
+  ASSERT_NE(batch, nullptr);
+  EXPECT_EQ(batch->first_tick(), 100);
+  EXPECT_EQ(batch->decimation(), 10);
+  EXPECT_EQ(batch->position_size(), 3);
+}
+
+TEST_F(TelemetryServiceTest, KeepsBatchesWithinTheirLimit) {
+  Stream stream = Open(1, 10);
+  broadcast_.Consume(BlockOf(0, 95));
+  while (stream.next_tick() < 95) {
+    const v1::SampleBatch* batch = stream.Read();
+    ASSERT_NE(batch, nullptr);
+    EXPECT_LE(batch->position_size(), 10);
+  }
+}
+
+TEST_F(TelemetryServiceTest, RefusesNumbersOutOfRange) {
+  ExpectStatus(Refusal(0, 1001), grpc::StatusCode::INVALID_ARGUMENT, "INVALID_NUMBER");
+  const grpc::Status decimation = Refusal(10'001, 0);
+  ExpectStatus(decimation, grpc::StatusCode::INVALID_ARGUMENT, "INVALID_NUMBER");
+  EXPECT_THAT(decimation.error_message(), testing::HasSubstr("0 to 10000"));
+  EXPECT_EQ(broadcast_.subscribers(), 0);
+  Stream largest = Open(10'000, 1000, "elbow");
+  EXPECT_EQ(broadcast_.subscribers(), 1);
+}
+
+TEST_F(TelemetryServiceTest, RefusesAnUnknownAxis) {
+  ExpectStatus(Refusal(0, 0, "knee"), grpc::StatusCode::NOT_FOUND, "UNKNOWN_AXIS");
+}
+
+TEST_F(TelemetryServiceTest, RefusesBytesThatAreNoRequest) {
+  grpc::GenericStub stub(channel_);
+  grpc::ClientContext context;
+  grpc::CompletionQueue queue;
+  const auto call = stub.PrepareCall(&context, "/mwidth.v1.TelemetryService/StreamSamples", &queue);
+  const auto await = [&queue] {
+    void* tag = nullptr;
+    bool ok = false;
+    return queue.Next(&tag, &ok) && ok;
+  };
+  call->StartCall(nullptr);
+  ASSERT_TRUE(await());
+  const grpc::Slice garbage(std::string("\xff\xff\xff\xff"));
+  call->WriteLast(grpc::ByteBuffer(&garbage, 1), grpc::WriteOptions(), nullptr);
+  ASSERT_TRUE(await());
+  grpc::Status status;
+  call->Finish(&status, nullptr);
+  ASSERT_TRUE(await());
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::INTERNAL);
+}
+
+}  // namespace
+}  // namespace mwidth::rpc
