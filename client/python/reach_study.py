@@ -13,6 +13,7 @@ import dataclasses
 import math
 import pathlib
 import sys
+import textwrap
 
 import matplotlib
 
@@ -140,12 +141,9 @@ def table(trials, axis):
 
 
 def describe(refusal):
-    report = refusal.stability
-    lines = [f"A virtual mass of {report.requested_mass:+.4g} kg m² was refused ({refusal.reason}):", f"  {refusal}"]
-    if report.HasField("admitting_cutoff_hz"):
-        lines.append(f"  A filter cut-off of {report.admitting_cutoff_hz:.4g} Hz would admit it.")
-    lines.append("  The rendered mass stayed as it was.")
-    return "\n".join(lines)
+    asked = f"A virtual mass of {refusal.stability.requested_mass:+.4g} kg m² was refused ({refusal.reason}):"
+    words = textwrap.fill(str(refusal), width=100, initial_indent="  ", subsequent_indent="  ")
+    return f"{asked}\n{words}\nThe rendered mass was checked: it stayed as it was."
 
 
 def write_csv(path, trials):
