@@ -211,6 +211,8 @@ def main():
         run(arguments.server, arguments.output, arguments.reaches)
     except (StudyError, mwidth.Error) as error:
         sys.exit(f"reach study: {error}")
+    except KeyboardInterrupt:
+        sys.exit(130)  # what a shell expects after Ctrl-C; control was released on the way here
 
 
 if __name__ == "__main__":
