@@ -73,7 +73,9 @@ std::string LoopText(const v1::LoopParameters& loop, const Units& units) {
   return out.str();
 }
 
-void AppendInterval(const std::string& name, const v1::Interval& interval, double device_mass, Table& table) {
+// `format`: Rounded for what is computed, RoundedTowardZero for what may be asked for.
+void AppendInterval(const std::string& name, const v1::Interval& interval, double device_mass,
+                    std::string (*format)(double, int), Table& table) {
   auto& out = table.out();
   out << "  " << std::left << std::setw(10) << name;
   if (interval.empty()) {
@@ -83,7 +85,7 @@ void AppendInterval(const std::string& name, const v1::Interval& interval, doubl
   out << std::right;
   for (const auto edge :
        {interval.min(), interval.max(), interval.min() / device_mass, interval.max() / device_mass}) {
-    out << std::setw(15) << RoundedTowardZero(edge, 9);
+    out << std::setw(15) << format(edge, 9);
   }
   out << "\n";
 }
@@ -138,9 +140,9 @@ std::string MWidthReport(const v1::GetMWidthResponse& response, const v1::AxisIn
       << "M min, " + mass_unit << std::setw(15 + superscripts) << "M max, " + mass_unit << std::setw(15)
       << "M/m min" << std::setw(15) << "M/m max"
       << "\n";
-  AppendInterval("nominal", m_width.nominal(), response.loop().device_mass(), table);
-  AppendInterval("robust", m_width.robust(), response.loop().device_mass(), table);
-  AppendInterval("admitted", m_width.admitted(), response.loop().device_mass(), table);
+  AppendInterval("nominal", m_width.nominal(), response.loop().device_mass(), Rounded, table);
+  AppendInterval("robust", m_width.robust(), response.loop().device_mass(), Rounded, table);
+  AppendInterval("admitted", m_width.admitted(), response.loop().device_mass(), RoundedTowardZero, table);
   if (!m_width.nominal().empty()) {
     out << "\nAt its nominal edges the loop oscillates at " << Rounded(m_width.min_critical_hz())
         << " Hz (lower) and " << Rounded(m_width.max_critical_hz()) << " Hz (upper).\n";

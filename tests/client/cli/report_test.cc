@@ -83,9 +83,12 @@ TEST(MWidthReportTest, ShowsMassesAndRatiosWithNineDigits) {
   auto& nominal = *response.mutable_m_width()->mutable_nominal();
   nominal.set_min(-1.3981549499 * 0.07);
   nominal.set_max(34.2468304444 * 0.07);
+  response.mutable_m_width()->mutable_admitted()->set_min(-1.00000000999 * 0.07);
   const auto text = MWidthReport(response, Axis(v1::AXIS_KIND_LINEAR));
-  EXPECT_THAT(text, HasSubstr("-1.39815494"));
+  EXPECT_THAT(text, HasSubstr("-1.39815495"));
   EXPECT_THAT(text, HasSubstr("34.2468304"));
+  // An admitted edge stays inside, the others are rounded to the nearest.
+  EXPECT_THAT(text, HasSubstr("-1 "));
   EXPECT_THAT(text, HasSubstr("1000 Hz, cut-off 10 Hz, delay 0 ms"));
 }
 
