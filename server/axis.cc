@@ -53,8 +53,8 @@ render::LoopConfig MakeLoopConfig(const AxisConfig& config) {
   return loop;
 }
 
-gate::AxisDescription Describe(const AxisConfig& config, bool simulated, const render::RealtimeReport& realtime,
-                               const AxisOptions& options) {
+gate::AxisDescription Describe(const AxisConfig& config, bool simulated,
+                               const render::RealtimeReport& realtime, const AxisOptions& options) {
   gate::AxisDescription description{
       .name = config.name,
       .kind = config.kind,
@@ -69,9 +69,9 @@ gate::AxisDescription Describe(const AxisConfig& config, bool simulated, const r
       .rendering_blocked_reason = "",
   };
   if (!realtime.realtime && !simulated && !options.allow_non_realtime) {
-    description.rendering_blocked_reason =
-        "the loop has no real-time scheduling (" + realtime.message +
-        "); change that, or start mwidthd with --allow-non-realtime to accept missed deadlines on a real drive";
+    description.rendering_blocked_reason = "the loop has no real-time scheduling (" + realtime.message +
+                                           "); change that, or start mwidthd with --allow-non-realtime to "
+                                           "accept missed deadlines on a real drive";
   }
   return description;
 }
@@ -87,8 +87,8 @@ Axis::Axis(const AxisConfig& config, const Config& server, const AxisOptions& op
       loop_(std::make_unique<render::Loop>(*drive_, crossing_, *clock_, MakeLoopConfig(config))) {
   drain_.Start();
   const render::RealtimeReport realtime = loop_->Start();
-  gate_ = std::make_unique<gate::AxisGate>(Describe(config, drive_->Info().simulated, realtime, options), crossing_,
-                                           *clock_);
+  gate_ = std::make_unique<gate::AxisGate>(Describe(config, drive_->Info().simulated, realtime, options),
+                                           crossing_, *clock_);
 }
 
 Axis::~Axis() { Stop(); }

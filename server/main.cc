@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <csignal>
+#include <cstdio>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -40,14 +41,16 @@ CommandLine Parse(CLI::App& app, int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--listen", line.listen,
                  "HOST:PORT to serve gRPC on instead of the configuration's; port 0: any free one");
-  app.add_option("--hand-motion", line.hand_motion,
-                 "CSV recording that moves the simulated hand: columns time_s and one position, ending in _rad or _m");
+  app.add_option(
+      "--hand-motion", line.hand_motion,
+      "CSV recording that moves the simulated hand: columns time_s and one position, ending in _rad or _m");
   app.add_option("--reach", line.reach, "Play only this reach of the recording, from 1")
       ->check(CLI::PositiveNumber)
       ->needs("--hand-motion");
-  app.add_option("--simulation-speed", line.axis.simulation_speed,
-                 "Run the simulation in lock step with its clock, at most this many times as fast as real time: no "
-                 "deadline is ever missed")
+  app.add_option(
+         "--simulation-speed", line.axis.simulation_speed,
+         "Run the simulation in lock step with its clock, at most this many times as fast as real time: no "
+         "deadline is ever missed")
       ->check(CLI::Range(0.01, kFastestSimulation));
   app.add_flag("--allow-non-realtime", line.axis.allow_non_realtime,
                "Render on a real drive even where the host refuses real-time scheduling");
@@ -63,7 +66,8 @@ server::Config Load(const CommandLine& line) {
   }
   if (!line.hand_motion.empty()) {
     if (config.axes.size() != 1) {
-      throw server::ConfigError("--hand-motion: the configuration has several axes; set axis.drive.hand_motion.file");
+      throw server::ConfigError(
+          "--hand-motion: the configuration has several axes; set axis.drive.hand_motion.file");
     }
     config.axes[0].drive.hand_motion.file = line.hand_motion;
     config.axes[0].drive.hand_motion.reach = line.reach;
@@ -90,16 +94,9 @@ void Serve(const server::Config& config, const std::vector<std::unique_ptr<serve
   server.Shutdown(kPatience);
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+// The whole program, but for failures.
+int Run(int argc, char** argv, const sigset_t& ending) {
   CLI::App app{"mwidthd " MWIDTH_VERSION ": renders virtual masses on robot joints, and only stable ones"};
-  // Every later thread inherits the mask: these signals reach nobody but the sigwait above.
-  sigset_t ending;
-  sigemptyset(&ending);
-  sigaddset(&ending, SIGTERM);
-  sigaddset(&ending, SIGINT);
-  pthread_sigmask(SIG_BLOCK, &ending, nullptr);
   try {
     const CommandLine line = Parse(app, argc, argv);
     const server::Config config = Load(line);
@@ -117,8 +114,22 @@ int main(int argc, char** argv) {
   } catch (const std::invalid_argument& error) {
     std::cerr << "mwidthd: " << error.what() << '\n';
     return kExitUsage;
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  // Every later thread inherits the mask: these signals reach nobody but the sigwait above.
+  sigset_t ending;
+  sigemptyset(&ending);
+  sigaddset(&ending, SIGTERM);
+  sigaddset(&ending, SIGINT);
+  pthread_sigmask(SIG_BLOCK, &ending, nullptr);
+  try {
+    return Run(argc, argv, ending);
   } catch (const std::exception& error) {
-    std::cerr << "mwidthd: " << error.what() << '\n';
+    std::fprintf(stderr, "mwidthd: %s\n", error.what());
     return kExitFailure;
   }
 }

@@ -8,8 +8,8 @@ namespace mwidth::model {
 
 std::complex<double> Evaluate(const DifferencePolynomial& polynomial, std::complex<double> w) {
   std::complex<double> value = 0;
-  for (auto coefficient = polynomial.rbegin(); coefficient != polynomial.rend(); ++coefficient) {
-    value = value * w + *coefficient;
+  for (std::size_t i = polynomial.size(); i-- > 0;) {
+    value = value * w + polynomial[i];
   }
   return value;
 }
