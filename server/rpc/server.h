@@ -21,7 +21,8 @@ inline constexpr int kMaxRequestBytes = 64 * 1024;
 class Server {
  public:
   /// Listens on `address` ("HOST:PORT"; port 0: any free one), which no other process may share. `axes`
-  /// outlives the server. Throws std::runtime_error, with what to do, where the address cannot be had.
+  /// outlives the server. Throws std::invalid_argument for an address that is malformed and
+  /// std::runtime_error for one that cannot be had, with what to do.
   Server(const AxisRegistry& axes, const std::string& address, const std::string& server_version);
   /// Shuts down at once unless Shutdown was called.
   ~Server();

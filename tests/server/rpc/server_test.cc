@@ -109,10 +109,14 @@ TEST_F(ServerTest, TakesAnAddressForItselfAlone) {
 }
 
 TEST_F(ServerTest, RefusesAnAddressThatIsNone) {
-  for (const char* address : {"", "nonsense", ":50051", "127.0.0.1:", "127.0.0.1:65536", "127.0.0.1:http",
-                              "::1:0", "192.0.2.1:0"}) {
+  for (const char* address :
+       {"", "nonsense", ":50051", "127.0.0.1:", "127.0.0.1:65536", "127.0.0.1:http", "::1:0"}) {
     EXPECT_THROW(Server(axes, address, "0.0.0-test"), std::invalid_argument) << address;
   }
+}
+
+TEST_F(ServerTest, RefusesAnAddressOfAnotherHost) {
+  EXPECT_THROW(Server(axes, "192.0.2.1:0", "0.0.0-test"), std::runtime_error);
 }
 
 TEST_F(ServerTest, EndsOnceShutDown) {
