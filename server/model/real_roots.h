@@ -64,7 +64,8 @@ double RefineRoot(const RootBracket& bracket, const Function& function) noexcept
     }
     ((at.value < 0) == bracket.rising ? low : high) = x;
     const double newton = x - at.value / at.slope;
-    const bool inside = newton > low && newton < high;  // false for NaN too
+    // Also a step too small to move x, which is itself an end now. False for NaN.
+    const bool inside = (newton > low && newton < high) || newton == x;
     const double next = inside ? newton : low + (high - low) / 2;
     const double step = std::abs(next - x);
     x = next;

@@ -126,6 +126,25 @@ TEST(RealRoots, FindsARootWhereTheIntervalIsHalved) {
   ExpectRoots(Roots(Polynomial({0.5}, {})), {0.5});
 }
 
+TEST(RealRoots, AreRefinedInAFewStepsAlsoWhereTheLastOneIsTooSmallToTake) {
+  // Where the values are rounded, an iteration ends on either side of a root, as often as not one step too
+  // small to move it away; halving the rest of the bracket would take another fifty.
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> uniform(0.1, 0.9);
+  for (int i = 0; i < 1000; ++i) {
+    const double root = uniform(random);
+    int evaluations = 0;
+    const double found =
+        RefineRoot({.low = 0, .high = 1, .rising = true, .guess = uniform(random)}, [&](double x) {
+          ++evaluations;
+          const double away = x - root;
+          return ValueAndSlope{away + away * away * away / 2 + 1e-17, 1 + 1.5 * away * away};
+        });
+    EXPECT_NEAR(found, root, 1e-15);
+    EXPECT_LE(evaluations, 8);
+  }
+}
+
 TEST(RealRoots, OfAConstantAreNone) { EXPECT_EQ(IsolateRoots(std::vector<double>{1}).count, 0); }
 
 }  // namespace
