@@ -45,6 +45,7 @@ LoopSimulation::LoopSimulation(const LoopParameters& loop, double mass,
     : loop_(loop),
       mass_(mass),
       imperfections_(imperfections),
+      ideal_motor_(imperfections.force_quantum == 0 && std::isinf(imperfections.force_limit)),
       largest_counts_(imperfections.force_quantum > 0 ? LargestCounts(imperfections) : 0),
       estimator_(loop.period_s, loop.cutoff_hz),
       plant_(PlantOf(loop, imperfections.coulomb_friction)) {}

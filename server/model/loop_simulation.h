@@ -77,6 +77,10 @@ class LoopSimulation {
     return quantum > 0 ? std::round(position / quantum) * quantum : position;
   }
   double Deliver(double force) const noexcept {
+    // A branch that is foreseen, rather than a clamp to infinity that the next position would wait for.
+    if (ideal_motor_) {
+      return force;
+    }
     const double quantum = imperfections_.force_quantum;
     if (quantum > 0) {
       force = std::clamp(std::round(force / quantum), -largest_counts_, largest_counts_) * quantum;
@@ -87,6 +91,8 @@ class LoopSimulation {
   LoopParameters loop_;
   double mass_;
   Imperfections imperfections_;
+  /// Neither quantum nor limit of the force.
+  bool ideal_motor_;
   /// What the limit leaves of whole counts, where the force has a quantum.
   double largest_counts_;
   AccelerationEstimator estimator_;

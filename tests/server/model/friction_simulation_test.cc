@@ -87,7 +87,8 @@ TEST(FrictionSimulation, TakesTwiceFrictionOverStiffnessOffEachHalfSwing) {
   simulation.Reset(0.1, 0, 0);
   double reached = 0.1;
   double rest = 0.1;
-  for (; std::abs(rest) > friction / 200; rest = -std::copysign(std::abs(rest) - loss, rest)) {
+  while (std::abs(rest) > friction / 200) {
+    rest = -std::copysign(std::abs(rest) - loss, rest);
   }
   for (int tick = 0; tick < 2000; ++tick) {
     simulation.Advance(0);
