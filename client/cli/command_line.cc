@@ -98,6 +98,18 @@ void DefineStream(CLI::App& app, CommandLine& line) {
       ->check(CLI::PositiveNumber);
 }
 
+void DefineFigures(CLI::App& app, CommandLine& line) {
+  auto* command = Subcommand(app, "figures",
+                             "Compute Figures 4 to 10 and Tables I and II of the M-width paper anew, as "
+                             "pictures with their data; needs no server",
+                             "  mwidth figures --out figures\n"
+                             "  mwidth figures --out figures --png");
+  command->add_option("--out", line.out, "Folder for the files; made where it does not exist")
+      ->required()
+      ->type_name("DIR");
+  command->add_flag("--png", line.png, "Pictures as PNG instead of SVG");
+}
+
 }  // namespace
 
 void Define(CLI::App& app, CommandLine& line) {
@@ -126,6 +138,7 @@ void Define(CLI::App& app, CommandLine& line) {
   stop->add_option("--reason", line.reason, "For the record")->capture_default_str();
   Subcommand(app, "clear-fault", "Clear a latched fault, once its cause is gone", "  mwidth clear-fault");
   DefineStream(app, line);
+  DefineFigures(app, line);
 }
 
 }  // namespace mwidth::cli

@@ -33,6 +33,10 @@ struct CommandLine {
   std::optional<uint64_t> samples;
   std::optional<double> seconds;
   std::optional<uint32_t> decimation;
+
+  // figures
+  std::string out;
+  bool png = false;
 };
 
 /// Adds all options and subcommands to `app`; parsing fills `line`, which must outlive it.

@@ -16,5 +16,6 @@ int RunSetMass(const CommandLine& line);
 int RunStop(const CommandLine& line);
 int RunClearFault(const CommandLine& line);
 int RunStream(const CommandLine& line);
+int RunFigures(const CommandLine& line);
 
 }  // namespace mwidth::cli

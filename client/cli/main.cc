@@ -16,8 +16,9 @@ namespace {
 
 int Run(const std::string& command, const CommandLine& line) {
   static const std::map<std::string, std::function<int(const CommandLine&)>> kCommands = {
-      {"state", RunState}, {"m-width", RunMWidth},         {"set-mass", RunSetMass},
-      {"stop", RunStop},   {"clear-fault", RunClearFault}, {"stream", RunStream}};
+      {"state", RunState},    {"m-width", RunMWidth},         {"set-mass", RunSetMass},
+      {"stop", RunStop},      {"clear-fault", RunClearFault}, {"stream", RunStream},
+      {"figures", RunFigures}};
   try {
     return kCommands.at(command)(line);
   } catch (const client::Error& error) {

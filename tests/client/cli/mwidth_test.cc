@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "tests/client/fake_server.h"
@@ -64,6 +65,18 @@ TEST_F(MwidthTest, AnEmptyMWidthIsAReasonAndNoNumber) {
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_THAT(outcome.out,
               AllOf(HasSubstr("none: without damping no mass is stable"), Not(HasSubstr("lower"))));
+}
+
+TEST_F(MwidthTest, FiguresNeedNoServer) {
+  const auto folder = std::filesystem::path(::testing::TempDir()) / "mwidth_figures";
+  const auto outcome =
+      RunProgram(MWIDTH_PROGRAM, {"figures", "--out", folder.string(), "--png"}, "127.0.0.1:1");
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, AllOf(HasSubstr("[1/9] table-1\n"), HasSubstr("[9/9] figure-10\n")));
+  EXPECT_TRUE(std::filesystem::exists(folder / "figure-6.png"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "figure-6.csv"));
+  std::filesystem::remove_all(folder);
+  EXPECT_EQ(Run({"figures"}).code, 2);
 }
 
 TEST_F(MwidthTest, SetMassHoldsThenStopsAndReleases) {
