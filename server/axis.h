@@ -17,8 +17,8 @@ namespace mwidth::server {
 
 /// What the command line decides for every axis.
 struct AxisOptions {
-  /// Simulated axes run in lock step with their clock, this many times as fast as real time at most; none: in real
-  /// time, where deadlines can be missed.
+  /// Simulated axes run in lock step with their clock, this many times as fast as real time at most; none: in
+  /// real time, where deadlines can be missed.
   std::optional<double> simulation_speed;
   bool allow_non_realtime = false;
 };
@@ -27,8 +27,8 @@ struct AxisOptions {
 /// asked to.
 class Axis {
  public:
-  /// Throws ConfigError where the hand's recording cannot be used, and std::invalid_argument for a contradiction in
-  /// the configuration.
+  /// Throws ConfigError where the hand's recording cannot be used, and std::invalid_argument for a
+  /// contradiction in the configuration.
   Axis(const AxisConfig& config, const Config& server, const AxisOptions& options);
   Axis(const Axis&) = delete;
   Axis& operator=(const Axis&) = delete;
