@@ -7,7 +7,8 @@
 namespace mwidth::cli {
 namespace {
 
-void WaitForSignals(const std::stop_token& end, std::stop_source interrupted, const sigset_t& signals) {
+void WaitForSignals(const std::stop_token& end, const std::stop_source& interrupted,
+                    const sigset_t& signals) {
   // sigtimedwait cannot wait for a stop token too, hence the short turns.
   const timespec turn{.tv_sec = 0, .tv_nsec = 50'000'000};
   while (!end.stop_requested()) {

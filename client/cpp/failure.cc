@@ -62,8 +62,9 @@ std::optional<Refusal> DecodeRefusal(const grpc::Status& status) {
   if (status.ok() || !report) {
     return std::nullopt;
   }
+  std::string reason = Reason(decoded);
   return Refusal{.sentence = status.error_message(),
-                 .reason = Reason(decoded),
+                 .reason = std::move(reason),
                  .stability = std::move(*report),
                  .status = std::move(decoded)};
 }
