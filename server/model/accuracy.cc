@@ -131,7 +131,7 @@ PerceivedMass MeasurePerceivedMass(const LoopParameters& loop, double mass, cons
   const Chirp chirp(band, loop);
   HybridSimulation device(loop);
   device.Reset(Chirp::kStart, 0, 0);
-  AccelerationEstimator estimator(loop.period_s, loop.cutoff_hz);
+  AccelerationEstimator estimator(loop.period_s, loop.cutoff_hz, loop.estimator);
   ActingForce acting_force(Discretize(loop), instant);
   LeastSquaresMass fit;
   const auto ticks = static_cast<int>(band.duration_s / loop.period_s);

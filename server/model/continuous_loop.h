@@ -7,6 +7,8 @@
 //   k        stiffness k_h            hand_stiffness
 //   tau      loop delay               delay_s (0 in the paper)
 //   w*       phase crossing           2 pi Edge::critical_hz
+//
+// It has the paper's filter, whatever LoopParameters::estimator says.
 #pragma once
 
 #include <complex>

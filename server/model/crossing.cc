@@ -12,10 +12,9 @@ namespace {
 // The loop of crossing.h: its polynomials, and what they are at a point.
 class Loop {
  public:
-  Loop(const SampledPlant& plant, double filter_gap, double moving_mass) noexcept
-      : plant_(plant), f_(filter_gap), mass_scale_(moving_mass / filter_gap) {}
+  Loop(const SampledPlant& plant, const EstimatorFactors& estimator, double moving_mass) noexcept;
 
-  // W = (hold[0] + hold[1]/z + hold[2]/z^2) conj(w + f) z^-delay_ticks.
+  // W without its gain and its zeros at z = -1: (hold[0] + hold[1]/z + hold[2]/z^2) times the factors.
   CircleValue W(const CirclePoint& at) const noexcept {
     const double cosine = at.c - at.s;
     const auto& n = plant_.hold;
@@ -26,14 +25,13 @@ class Loop {
       value.re_size += std::abs(n[2]);
       value.im_size += 2 * std::abs(n[2]);
     }
-    value = TimesConjugate(value, f_ - 2 * at.s, f_ + 2 * at.s, at);
-    for (int i = 0; i < plant_.delay_ticks; ++i) {
-      value = TimesConjugate(value, cosine, 1, at);
+    for (int i = 0; i < factor_count_; ++i) {
+      value = Times(value, factors_[static_cast<size_t>(i)], at);
     }
     return value;
   }
 
-  // (q - u) Y + delta (u Y / 2 - A): zero where one mass satisfies both real equations. Where nothing is
+  // (q - u) Y + delta (u Y / 2 - X): zero where one mass satisfies both real equations. Where nothing is
   // lost, Y: the other factor's root is at rest, and FindCrossings knows it.
   double Disagreement(const CirclePoint& at) const noexcept {
     const CircleValue w = W(at);
@@ -54,29 +52,67 @@ class Loop {
         std::abs(w.im) * std::max(w.re_size * std::abs(real_part), std::abs(w.re) * (plant_.static_gap + u));
     const bool from_im = lost_in_im <= lost_in_re && plant_.loss > 0;
     const double ratio = from_im ? plant_.loss / w.im : real_part / w.re;
-    return mass_scale_ * ratio * FilterSizeSquared(u) / u;
+    return MassFor(ratio, at);
   }
 
-  // At z = -1 everything is real: one equation, no condition.
+  // At z = -1 everything is real: one equation, no condition. Infinite where C(-1) = 0.
   double MassAtHalfSampleRate() const noexcept {
-    return mass_scale_ * (plant_.static_gap - 4 + 2 * plant_.loss) / W({1, 0}).re * FilterSizeSquared(4) / 4;
+    return MassFor((plant_.static_gap - 4 + 2 * plant_.loss) / W({1, 0}).re, {1, 0});
   }
 
   // Coefficients of Disagreement as a form. Returns its degree.
   int DisagreementForm(Form& form) const noexcept;
 
-  // Without delay Disagreement is -(Gamma u^2 - first u + zeroth), Gamma = hold[1]: the paper's loop in
-  // closed form. Both values of u, which may lie outside 0..4 or be NaN.
+  // The paper's estimator without delay.
+  bool IsQuadratic() const noexcept { return factor_count_ == 1 && plant_.hold[2] == 0; }
+  // Then Disagreement is -(Gamma u^2 - first u + zeroth), Gamma = hold[1]: closed form. Both values of u,
+  // which may lie outside 0..4 or be NaN.
   std::array<double, 2> QuadraticRoots() const noexcept;
 
  private:
-  // |w + f|^2.
-  double FilterSizeSquared(double u) const noexcept { return f_ * f_ + u * (1 - f_); }
+  // Estimator's poles, whole ticks of delay, and two more where the numerator of a new estimator has them.
+  static constexpr size_t kMaxFactors = EstimatorFactors::kMaxPoles + 5;
+
+  void Append(const CircleFactor& factor) noexcept {
+    factors_[static_cast<size_t>(factor_count_++)] = factor;
+  }
+
+  // M from M' |B|^2.
+  double MassFor(double ratio, const CirclePoint& at) const noexcept {
+    double mass = mass_scale_ * ratio;
+    for (const PoleFactor& pole : estimator_) {
+      mass *= pole.SizeSquared(at);
+    }
+    for (int i = 0; i < estimator_.half_rate_zero_pairs; ++i) {
+      mass /= 4 * at.c;
+    }
+    return mass / (4 * at.s);
+  }
 
   SampledPlant plant_;
-  double f_;
+  EstimatorFactors estimator_;
   double mass_scale_;
+  std::array<CircleFactor, kMaxFactors> factors_;
+  int factor_count_ = 0;
 };
+
+Loop::Loop(const SampledPlant& plant, const EstimatorFactors& estimator, double moving_mass) noexcept
+    : plant_(plant), estimator_(estimator), mass_scale_(moving_mass / estimator.gain) {
+  // Powers of z that are left to multiply with; (z + 1)^2 = 4 c z has one for each pair.
+  int turns = 1 + estimator.half_rate_zero_pairs - estimator.lag_ticks - plant.delay_ticks;
+  for (const PoleFactor& pole : estimator) {
+    if (pole.degree == 2 || turns > 0) {
+      Append(pole.circle);
+      --turns;
+    } else {
+      // conj(B) of degree 1 without z.
+      Append({pole.circle.at_c, -pole.circle.at_s, pole.circle.at_c + pole.circle.turn});
+    }
+  }
+  for (; turns < 0; ++turns) {
+    Append(kOneTickLater);
+  }
+}
 
 int Loop::DisagreementForm(Form& form) const noexcept {
   const auto& n = plant_.hold;
@@ -91,9 +127,8 @@ int Loop::DisagreementForm(Form& form) const noexcept {
     w.re = {n[0] + n[1] + n[2], 2 * n[0] - 6 * n[2], n[0] - n[1] + n[2]};
     w.im = {-n[1] - 2 * n[2], 2 * n[2] - n[1]};
   }
-  w = TimesConjugate(w, f_, f_ - 2);
-  for (int i = 0; i < plant_.delay_ticks; ++i) {
-    w = TimesConjugate(w, 1, -1);
+  for (int i = 0; i < factor_count_; ++i) {
+    w = Times(w, factors_[static_cast<size_t>(i)]);
   }
   if (plant_.loss == 0) {
     form = w.im;
@@ -112,11 +147,12 @@ int Loop::DisagreementForm(Form& form) const noexcept {
 std::array<double, 2> Loop::QuadraticRoots() const noexcept {
   const double q = plant_.static_gap;
   const double delta = plant_.loss;
+  const double f = estimator_.poles[0].circle.at_c;
   const double gamma = plant_.hold[1];
   const double sum = plant_.hold[0] + gamma;
   // Unless the sampling aliases the plant, all terms are positive.
-  const double first = sum + gamma * (f_ + q + delta);
-  const double zeroth = sum * (q + f_ * delta) + gamma * f_ * q;
+  const double first = sum + gamma * (f + q + delta);
+  const double zeroth = sum * (q + f * delta) + gamma * f * q;
   const double discriminant = first * first - 4 * gamma * zeroth;
   const double twice = first + std::copysign(std::sqrt(discriminant), first);
   return {2 * zeroth / twice, twice / (2 * gamma)};
@@ -127,7 +163,7 @@ void Add(Crossings& crossings, const Loop& loop, double half_sine_squared) noexc
                                                              .half_sine_squared = half_sine_squared};
 }
 
-void AddDelayedCrossings(Crossings& crossings, const Loop& loop) noexcept {
+void AddIsolatedCrossings(Crossings& crossings, const Loop& loop) noexcept {
   Form form{};
   const int degree = loop.DisagreementForm(form);
   Form bernstein{};
@@ -151,8 +187,9 @@ void AddDelayedCrossings(Crossings& crossings, const Loop& loop) noexcept {
 
 }  // namespace
 
-Crossings FindCrossings(const SampledPlant& plant, double filter_gap, double moving_mass) noexcept {
-  const Loop loop(plant, filter_gap, moving_mass);
+Crossings FindCrossings(const SampledPlant& plant, const EstimatorFactors& estimator,
+                        double moving_mass) noexcept {
+  const Loop loop(plant, estimator, moving_mass);
   Crossings crossings;
   crossings.found[0] = {.mass = loop.MassAtHalfSampleRate(), .half_sine_squared = 1};
   crossings.count = 1;
@@ -161,8 +198,8 @@ Crossings FindCrossings(const SampledPlant& plant, double filter_gap, double mov
     crossings.found[1] = {.mass = -moving_mass, .half_sine_squared = 0};
     crossings.count = 2;
   }
-  if (plant.delay_ticks > 0 || plant.hold[2] != 0) {
-    AddDelayedCrossings(crossings, loop);
+  if (!loop.IsQuadratic()) {
+    AddIsolatedCrossings(crossings, loop);
     return crossings;
   }
   for (const double u : loop.QuadraticRoots()) {

@@ -1,40 +1,44 @@
-// How acceleration is estimated from sampled positions: the paper's D(z) and H(z).
+// How acceleration is estimated from sampled positions: as the loop computes it, and as the model sees it.
 #pragma once
 
-#include <cmath>
 #include <cstdint>
-#include <numbers>
+#include <variant>
+
+#include "server/model/estimator_factors.h"
+#include "server/model/estimator_kind.h"
+#include "server/model/low_pass.h"
 
 namespace mwidth::model {
 
-/// Double backward difference, then a first-order low-pass filter, for sample period T and cut-off w0 = 2 pi
-/// f0:
+/// C(z) of what AccelerationEstimator runs. Precondition: Runs(kind, period_s, cutoff_hz). Any thread. Rt.
+EstimatorFactors FactorsOf(EstimatorKind kind, double period_s, double cutoff_hz) noexcept;
+
+/// Double backward difference (eq. 3), then a low-pass filter, for sample period T:
 ///
-///   D(z) = (z - 1)^2 / (T z)^2     H(z) = (1 - a) z / (z - a),  a = e^(-w0 T)     (eqs. 3, 4)
+///   v(k) = (x(k) - x(k-1)) / T     d(k) = (v(k) - v(k-1)) / T     a_hat(k) = filter of d(k)
 ///
-/// as difference equations, in this order of operations, so that whoever has the positions gets the same
-/// bits:
-///
-///   v(k) = (x(k) - x(k-1)) / T     d(k) = (v(k) - v(k-1)) / T     a_hat(k) = a a_hat(k-1) + (1 - a) d(k)
-///
-/// Positions in m or rad, velocities and accelerations per s and s^2. One thread. All but the constructor is
-/// Rt.
+/// in this order of operations, so that whoever has the positions gets the same bits; the filters are in
+/// low_pass.h. Positions in m or rad, velocities and accelerations per s and s^2. One thread. Rt, copies and
+/// construction included.
 class AccelerationEstimator {
  public:
   /// The longest gap that Update bridges; after a longer one it starts afresh.
   static constexpr uint64_t kMaxBridgedPeriods = 64;
 
-  /// `period_s` above 0; `cutoff_hz` above 0, at most 0.5 / period_s.
-  AccelerationEstimator(double period_s, double cutoff_hz) noexcept
-      : period_s_(period_s),
-        pole_(std::exp(-2 * std::numbers::pi * cutoff_hz * period_s)),
-        gain_(-std::expm1(-2 * std::numbers::pi * cutoff_hz * period_s)) {}
+  /// Precondition: Runs(kind, period_s, cutoff_hz).
+  AccelerationEstimator(double period_s, double cutoff_hz,
+                        EstimatorKind kind = EstimatorKind::kFilteredDifference) noexcept;
+
+  /// Another estimator in the place of this one, as if it had always run and the acceleration had long been
+  /// the present estimate: neither position nor velocity nor acceleration jumps. Precondition: Runs(kind,
+  /// period_s, cutoff_hz) with the period of this one.
+  AccelerationEstimator ChangedTo(EstimatorKind kind, double cutoff_hz) const noexcept;
 
   /// As after a long rest at `position`: the next Update sees no step.
   void Reset(double position) noexcept {
     position_ = position;
     velocity_ = 0;
-    acceleration_ = 0;
+    Settle(0);
     primed_ = true;
   }
 
@@ -42,19 +46,19 @@ class AccelerationEstimator {
   /// Reset.
   ///
   /// Positions that were missed are taken to lie on the straight line between their neighbours. The whole
-  /// change of velocity then falls on the first missed sample and the filter decays over the rest, so that
-  /// the sum of d(k) T is still the true change of velocity. Holding the old position instead would put a
-  /// velocity of `periods` times the true one into the last sample, and the double difference would throw the
-  /// motor.
+  /// change of velocity then falls on the first missed sample and the filter goes on without over the rest,
+  /// so that the sum of d(k) T is still the true change of velocity. Holding the old position instead would
+  /// put a velocity of `periods` times the true one into the last sample, and the double difference would
+  /// throw the motor.
   double Update(double position, uint64_t periods = 1) noexcept {
     if (!primed_ || periods > kMaxBridgedPeriods) {
       Reset(position);
       return acceleration_;
     }
     const double velocity = (position - position_) / (static_cast<double>(periods) * period_s_);
-    acceleration_ = pole_ * acceleration_ + gain_ * ((velocity - velocity_) / period_s_);
+    Filter((velocity - velocity_) / period_s_);
     for (uint64_t i = 1; i < periods; ++i) {
-      acceleration_ *= pole_;
+      Filter(0);
     }
     position_ = position;
     velocity_ = velocity;
@@ -67,9 +71,32 @@ class AccelerationEstimator {
   double acceleration() const noexcept { return acceleration_; }
 
  private:
+  using LowPass = std::variant<FirstOrderLowPass, LateFirstOrderLowPass, ButterworthLowPass, KalmanLowPass>;
+
+  static LowPass MakeLowPass(EstimatorKind kind, double period_s, double cutoff_hz) noexcept;
+  // std::visit, which may throw, without its throw.
+  template <typename Function>
+  void OnLowPass(const Function& function) noexcept {
+    if (auto* first_order = std::get_if<FirstOrderLowPass>(&low_pass_)) {
+      function(*first_order);
+    } else if (auto* late = std::get_if<LateFirstOrderLowPass>(&low_pass_)) {
+      function(*late);
+    } else if (auto* butterworth = std::get_if<ButterworthLowPass>(&low_pass_)) {
+      function(*butterworth);
+    } else if (auto* kalman = std::get_if<KalmanLowPass>(&low_pass_)) {
+      function(*kalman);
+    }
+  }
+  void Filter(double difference) noexcept {
+    OnLowPass([this, difference](auto& low_pass) { acceleration_ = low_pass.Update(difference); });
+  }
+  void Settle(double acceleration) noexcept {
+    acceleration_ = acceleration;
+    OnLowPass([acceleration](auto& low_pass) { low_pass.Settle(acceleration); });
+  }
+
   double period_s_;
-  double pole_;
-  double gain_;
+  LowPass low_pass_;
   double position_ = 0;
   double velocity_ = 0;
   double acceleration_ = 0;

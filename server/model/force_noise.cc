@@ -64,7 +64,7 @@ std::optional<double> ForceNoise(const LoopParameters& loop, double mass, double
   if (!ComputeMWidth(loop).Contains(mass)) {
     return std::nullopt;
   }
-  const LinearEstimator estimator = PaperEstimator(loop.period_s, loop.cutoff_hz);
+  const LinearEstimator estimator = EstimatorOf(loop);
   const Plant plant = InDifferences(Discretize(loop));
   const DifferencePolynomial rendered = Scaled(estimator.numerator, mass);
   const DifferencePolynomial characteristic =

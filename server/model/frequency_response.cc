@@ -26,8 +26,7 @@ double Damping(const LoopParameters& loop) { return loop.device_damping + loop.h
 
 }  // namespace
 
-SampledResponse::SampledResponse(const LoopParameters& loop)
-    : SampledResponse(loop, PaperEstimator(loop.period_s, loop.cutoff_hz)) {}
+SampledResponse::SampledResponse(const LoopParameters& loop) : SampledResponse(loop, EstimatorOf(loop)) {}
 
 SampledResponse::SampledResponse(const LoopParameters& loop, LinearEstimator estimator)
     : loop_(loop), estimator_(std::move(estimator)), plant_(Discretize(loop)) {

@@ -36,9 +36,9 @@ struct HandResponse {
 /// staircase of force adds between the ticks is not seen there.
 class SampledResponse {
  public:
-  /// With the paper's estimator at loop.cutoff_hz. Precondition: Validate(loop) is empty.
+  /// With the estimator of the loop. Precondition: Validate(loop) is empty.
   explicit SampledResponse(const LoopParameters& loop);
-  /// With another one; loop.cutoff_hz is not used.
+  /// With another one; those of the loop are not used.
   SampledResponse(const LoopParameters& loop, LinearEstimator estimator);
 
   /// L = M C(z) G(z) z^-delay at z = e^(j 2 pi f T); 1 + L is the characteristic function. `frequency_hz`

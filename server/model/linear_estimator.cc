@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <numbers>
 
+#include "server/model/estimator.h"
+
 namespace mwidth::model {
 
 std::complex<double> Evaluate(const DifferencePolynomial& polynomial, std::complex<double> w) {
@@ -31,9 +33,27 @@ CircleFrequency AtFrequency(double frequency_hz, double period_s) {
   return {.z = 1.0 + w, .w = w};
 }
 
-LinearEstimator PaperEstimator(double period_s, double cutoff_hz) {
-  const double f = -std::expm1(-2 * std::numbers::pi * cutoff_hz * period_s);
-  return {.numerator = {0, 0, f / (period_s * period_s)}, .denominator = {f, 1 + f, 1}};
+LinearEstimator EstimatorOf(const LoopParameters& loop) {
+  const EstimatorFactors factors = FactorsOf(loop.estimator, loop.period_s, loop.cutoff_hz);
+  LinearEstimator estimator{.numerator = {0, 0, factors.gain / (loop.period_s * loop.period_s)},
+                            .denominator = {1}};
+  const DifferencePolynomial z{1, 1};
+  for (int i = 0; i < factors.half_rate_zero_pairs; ++i) {
+    estimator.numerator = Multiply(estimator.numerator, {4, 4, 1});
+  }
+  for (int lag = factors.lag_ticks; lag < 0; ++lag) {
+    estimator.numerator = Multiply(estimator.numerator, z);
+  }
+  for (int lag = factors.lag_ticks; lag > 0; --lag) {
+    estimator.denominator = Multiply(estimator.denominator, z);
+  }
+  for (const PoleFactor& pole : factors) {
+    const auto coefficients = pole.Coefficients();
+    estimator.denominator =
+        Multiply(estimator.denominator,
+                 DifferencePolynomial(coefficients.begin(), coefficients.begin() + 1 + pole.degree));
+  }
+  return estimator;
 }
 
 }  // namespace mwidth::model

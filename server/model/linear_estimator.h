@@ -4,11 +4,12 @@
 //   z        one tick ahead: X(k+1) = z X(k)
 //   w        z - 1, one forward difference; about j omega T at low frequency
 //   T        sample period
-//   a, f     the filter's pole e^(-w0 T), and how far it lies from z = 1: f = 1 - a
 #pragma once
 
 #include <complex>
 #include <vector>
+
+#include "server/model/loop_parameters.h"
 
 namespace mwidth::model {
 
@@ -30,9 +31,9 @@ struct CircleFrequency {
 CircleFrequency AtFrequency(double frequency_hz, double period_s);
 
 /// C(z) = numerator(w) / denominator(w): sampled position to estimated acceleration. All analyses of accuracy
-/// take the estimator from here, so that another one needs one more function like PaperEstimator and no other
-/// change. An estimator of acceleration has (at least) w^2 in its numerator and roots of the denominator
-/// inside the unit circle; the numerator's degree is at most the denominator's.
+/// take the estimator from here, so that another one needs its factors and no other change. An estimator of
+/// acceleration has (at least) w^2 in its numerator and roots of the denominator inside the unit circle; the
+/// numerator's degree is at most the denominator's.
 struct LinearEstimator {
   DifferencePolynomial numerator;
   DifferencePolynomial denominator;
@@ -42,11 +43,12 @@ struct LinearEstimator {
   }
 };
 
-/// What model::AccelerationEstimator computes (eqs. 3, 4):
+/// What the loop's AccelerationEstimator computes, from its factors (estimator_factors.h): loop.estimator
+/// with loop.period_s and loop.cutoff_hz, for the paper's (eqs. 3, 4), with f = 1 - a,
 ///
 ///   C(z) = H(z) D(z) = f w^2 / (T^2 (w + 1) (w + f))
 ///
-/// `period_s` above 0, `cutoff_hz` above 0, at most 0.5 / period_s. Any thread.
-LinearEstimator PaperEstimator(double period_s, double cutoff_hz);
+/// Precondition: Validate(loop) is empty. Any thread.
+LinearEstimator EstimatorOf(const LoopParameters& loop);
 
 }  // namespace mwidth::model

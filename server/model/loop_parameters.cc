@@ -1,5 +1,6 @@
 #include "server/model/loop_parameters.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -31,6 +32,26 @@ std::string Number(double value) {
 // Written so that NaN is out of range.
 bool Holds(const Range& range) { return range.value >= range.min && range.value <= range.max; }
 
+// estimator and cutoff_hz, for a period that is allowed.
+std::optional<ParameterError> ValidateEstimator(const LoopParameters& loop) {
+  if (std::find(kEstimatorKinds.begin(), kEstimatorKinds.end(), loop.estimator) == kEstimatorKinds.end()) {
+    std::string names;
+    for (const EstimatorKind kind : kEstimatorKinds) {
+      names += (names.empty() ? "" : ", ") + std::string(Name(kind));
+    }
+    return ParameterError{"estimator", static_cast<double>(loop.estimator), "one of " + names};
+  }
+  if (Runs(loop.estimator, loop.period_s, loop.cutoff_hz)) {
+    return std::nullopt;
+  }
+  const CutoffRange range = CutoffRangeOf(loop.estimator);
+  std::string allowed = range.min > 0 ? "at least " + Number(range.min / loop.period_s) + " Hz" : "above 0";
+  allowed += ", at most " +
+             (range.max == 0.5 ? "half the sample rate" : Number(range.max) + " of the sample rate") + " (" +
+             Number(range.max / loop.period_s) + " Hz)";
+  return ParameterError{"cutoff_hz", loop.cutoff_hz, allowed};
+}
+
 }  // namespace
 
 std::string ParameterError::Message() const {
@@ -51,10 +72,8 @@ std::optional<ParameterError> Validate(const LoopParameters& loop) {
       return ParameterError{range.parameter, range.value, range.allowed};
     }
   }
-  const double cutoff_max_hz = 0.5 / loop.period_s;
-  if (!(loop.cutoff_hz > 0 && loop.cutoff_hz <= cutoff_max_hz * kRounding)) {
-    return ParameterError{"cutoff_hz", loop.cutoff_hz,
-                          "above 0, at most half the sample rate (" + Number(cutoff_max_hz) + " Hz)"};
+  if (auto error = ValidateEstimator(loop)) {
+    return error;
   }
   const double delay_max_s = 3 * loop.period_s;
   if (!(loop.delay_s >= 0 && loop.delay_s <= delay_max_s * kRounding)) {

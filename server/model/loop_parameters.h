@@ -7,12 +7,15 @@
 //   b_h              hand_damping      damping between hand and device
 //   k_h              hand_stiffness    stiffness between hand and device; N/m or N m/rad
 //   T                period_s          sample period
-//   f0 = w0/2 pi     cutoff_hz         cut-off of the first-order low-pass filter, eq. 4
+//   f0 = w0/2 pi     cutoff_hz         cut-off of the estimator's low-pass filter, eq. 4
 //   d T + r T        delay_s           loop delay beyond the zero-order hold (0 in the paper)
+//   H(z)             estimator         the low-pass filter behind the double difference
 #pragma once
 
 #include <optional>
 #include <string>
+
+#include "server/model/estimator_kind.h"
 
 namespace mwidth::model {
 
@@ -25,6 +28,7 @@ struct LoopParameters {
   double period_s = 0;
   double cutoff_hz = 0;
   double delay_s = 0;
+  EstimatorKind estimator = EstimatorKind::kFilteredDifference;
 };
 
 /// A parameter that is not finite or out of range.
@@ -40,8 +44,9 @@ struct ParameterError {
 };
 
 /// The first parameter that the model does not support, if any: device_mass 1e-6..1e4; device_damping,
-/// hand_mass, hand_damping 0..1e4; hand_stiffness 0..1e6; period_s 1e-5..1e-2; cutoff_hz above 0, at most
-/// 0.5/period_s; delay_s 0..3 period_s.
+/// hand_mass, hand_damping 0..1e4; hand_stiffness 0..1e6; period_s 1e-5..1e-2; estimator one of
+/// kEstimatorKinds; cutoff_hz above 0, at most 0.5/period_s, within CutoffRangeOf(estimator); delay_s 0..3
+/// period_s.
 std::optional<ParameterError> Validate(const LoopParameters& loop);
 
 }  // namespace mwidth::model

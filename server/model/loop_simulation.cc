@@ -47,7 +47,7 @@ LoopSimulation::LoopSimulation(const LoopParameters& loop, double mass,
       imperfections_(imperfections),
       ideal_motor_(imperfections.force_quantum == 0 && std::isinf(imperfections.force_limit)),
       largest_counts_(imperfections.force_quantum > 0 ? LargestCounts(imperfections) : 0),
-      estimator_(loop.period_s, loop.cutoff_hz),
+      estimator_(loop.period_s, loop.cutoff_hz, loop.estimator),
       plant_(PlantOf(loop, imperfections.coulomb_friction)) {}
 
 void LoopSimulation::Reset(double position, double velocity, double hand_position) noexcept {

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "server/model/crossing.h"
+#include "server/model/estimator.h"
 #include "server/model/plant.h"
 
 namespace mwidth::model {
@@ -31,13 +32,13 @@ MWidth ComputeMWidth(const LoopParameters& loop) {
         "whatever mass is rendered";
     return m_width;
   }
-  const double filter_gap = -std::expm1(-2 * std::numbers::pi * loop.cutoff_hz * loop.period_s);
+  const EstimatorFactors estimator = FactorsOf(loop.estimator, loop.period_s, loop.cutoff_hz);
   // A rising mass, and a falling one, first meets the crossing nearest to 0 on its side. There is one on
-  // each: the loop's numerator is one degree below its denominator, so a large enough mass drives a root to
-  // infinity.
+  // each: behind a hold the loop's numerator is below its denominator by one degree or more, whatever the
+  // estimator, so a large enough mass of either sign drives a root to infinity.
   Crossing lower{.mass = -std::numeric_limits<double>::infinity()};
   Crossing upper{.mass = std::numeric_limits<double>::infinity()};
-  for (const Crossing& crossing : FindCrossings(plant, filter_gap, loop.device_mass + loop.hand_mass)) {
+  for (const Crossing& crossing : FindCrossings(plant, estimator, loop.device_mass + loop.hand_mass)) {
     if (crossing.mass > 0 && crossing.mass < upper.mass) {
       upper = crossing;
     } else if (crossing.mass < 0 && crossing.mass > lower.mass) {

@@ -28,13 +28,26 @@ struct CircleValue {
   double im_size = 0;
 };
 
-/// value (factor - j sin(t)); `factor_size` is the size of the real `factor`. Rt.
-inline CircleValue TimesConjugate(const CircleValue& value, double factor, double factor_size,
-                                  const CirclePoint& at) noexcept {
+/// at_c c + at_s s - j turn sin(t): what a product is made of. Accurate near z = 1 and z = -1 alike.
+struct CircleFactor {
+  double at_c = 0;
+  double at_s = 0;
+  double turn = 0;
+};
+
+/// conj(z) = cos t - j sin(t).
+inline constexpr CircleFactor kOneTickLater{1, -1, 1};
+
+/// value times factor. Rt.
+inline CircleValue Times(const CircleValue& value, const CircleFactor& factor,
+                         const CirclePoint& at) noexcept {
+  const double real = factor.at_c * at.c + factor.at_s * at.s;
+  const double real_size = std::abs(factor.at_c) * at.c + std::abs(factor.at_s) * at.s;
+  const double turn_size = std::abs(factor.turn);
   const double sine_squared = 4 * at.s * at.c;
-  return {value.re * factor + sine_squared * value.im, value.im * factor - value.re,
-          value.re_size * factor_size + sine_squared * value.im_size,
-          value.im_size * factor_size + value.re_size};
+  return {value.re * real + sine_squared * factor.turn * value.im, value.im * real - factor.turn * value.re,
+          value.re_size * real_size + sine_squared * turn_size * value.im_size,
+          value.im_size * real_size + turn_size * value.re_size};
 }
 
 /// A real polynomial in c and s, homogeneous: sum over i of form[i] c^(degree - i) s^i. Every polynomial in
@@ -60,8 +73,8 @@ struct CircleForm {
   int degree = 0;
 };
 
-/// form (at_c c + at_s s - j sin(t)). Precondition: form.degree < kMaxRootDegree. Rt.
-inline CircleForm TimesConjugate(const CircleForm& form, double at_c, double at_s) noexcept {
+/// form times factor. Precondition: form.degree < kMaxRootDegree. Rt.
+inline CircleForm Times(const CircleForm& form, const CircleFactor& factor) noexcept {
   CircleForm product;
   product.degree = form.degree + 1;
   for (int k = 0; k <= product.degree; ++k) {
@@ -70,8 +83,8 @@ inline CircleForm TimesConjugate(const CircleForm& form, double at_c, double at_
     const double re_before = k > 0 ? form.re[i - 1] : 0;
     const double im = k < form.degree ? form.im[i] : 0;
     const double im_before = k > 0 ? form.im[i - 1] : 0;
-    product.re[i] = at_c * re + at_s * re_before + 4 * im_before;
-    product.im[i] = at_c * im + at_s * im_before - re;
+    product.re[i] = factor.at_c * re + factor.at_s * re_before + factor.turn * 4 * im_before;
+    product.im[i] = factor.at_c * im + factor.at_s * im_before - factor.turn * re;
   }
   return product;
 }

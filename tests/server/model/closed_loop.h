@@ -8,29 +8,17 @@
 #include <numbers>
 #include <vector>
 
+#include "tests/server/model/reference_estimator.h"
 #include "tests/server/model/reference_sampled_plant.h"
 
 namespace mwidth::model {
-
-/// Coefficients, the constant first.
-using RealPolynomial = std::vector<Real>;
-
-inline RealPolynomial Times(const RealPolynomial& a, const RealPolynomial& b) {
-  RealPolynomial product(a.size() + b.size() - 1, 0);
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    for (std::size_t k = 0; k < b.size(); ++k) {
-      product[i + k] += a[i] * b[k];
-    }
-  }
-  return product;
-}
 
 /// The characteristic polynomial of one loop, for any virtual mass.
 class ClosedLoop {
  public:
   explicit ClosedLoop(const LoopParameters& loop) {
     const ReferenceSampledPlant plant = DiscretizeIn50Digits(loop);
-    const Real a = exp(-2 * boost::math::constants::pi<Real>() * loop.cutoff_hz * loop.period_s);
+    const ReferenceEstimator estimator = EstimatorIn50Digits(loop);
     // Poles at z = 1, which the double difference cancels, are left out: one of a released hand, both of a
     // released mass without friction.
     RealPolynomial poles{1 - plant.loss, plant.static_gap + plant.loss - 2, 1};
@@ -42,14 +30,15 @@ class ClosedLoop {
         poles = difference = {1};
       }
     }
-    RealPolynomial delay(static_cast<std::size_t>(plant.delay_ticks) + 3, 0);
+    RealPolynomial delay(static_cast<std::size_t>(plant.delay_ticks) + 2, 0);
     delay.back() = 1;
-    open_ = Times(Times(delay, {-a, 1}), poles);
-    const Real gain = (1 - a) * plant.gain / (Real(loop.period_s) * loop.period_s);
-    feedback_ = Times({gain}, Times(difference, {plant.hold[2], plant.hold[1], plant.hold[0]}));
+    open_ = Times(Times(delay, estimator.denominator), poles);
+    const Real gain = plant.gain / (Real(loop.period_s) * loop.period_s);
+    feedback_ = Times(Times({gain}, estimator.numerator),
+                      Times(difference, {plant.hold[2], plant.hold[1], plant.hold[0]}));
   }
 
-  /// Numerator of 1 + M H(z) D(z) G(z) z^-delay in powers of z (eqs. 3 to 5, 10).
+  /// Numerator of 1 + M C(z) G(z) z^-delay in powers of z (eqs. 3 to 5, 10).
   RealPolynomial Characteristic(const Real& virtual_mass) const {
     RealPolynomial sum = open_;
     for (std::size_t i = 0; i < feedback_.size(); ++i) {

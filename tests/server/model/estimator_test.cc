@@ -67,75 +67,139 @@ TEST(AccelerationEstimatorTest, HasTheFrequencyResponseOfHTimesD) {
   EXPECT_NEAR(acceleration, expected, 1e-9 * std::abs(response));
 }
 
-TEST(AccelerationEstimatorTest, SettlesOnAConstantAcceleration) {
-  AccelerationEstimator estimator(kPeriodS, kCutoffHz);
-  for (int k = 0; k < 1000; ++k) {
-    const double t = k * kPeriodS;
-    estimator.Update(0.5 * 3.0 * t * t);
+// One of every kind.
+std::vector<AccelerationEstimator> OneOfEach() {
+  std::vector<AccelerationEstimator> estimators;
+  for (const EstimatorKind kind : kEstimatorKinds) {
+    estimators.emplace_back(kPeriodS, kCutoffHz, kind);
   }
-  EXPECT_NEAR(estimator.acceleration(), 3.0, 1e-6);
-  EXPECT_NEAR(estimator.velocity(), 3.0 * 998.5 * kPeriodS, 1e-9);
+  return estimators;
+}
+
+TEST(AccelerationEstimatorTest, SettlesOnAConstantAcceleration) {
+  for (AccelerationEstimator& estimator : OneOfEach()) {
+    for (int k = 0; k < 1000; ++k) {
+      const double t = k * kPeriodS;
+      estimator.Update(0.5 * 3.0 * t * t);
+    }
+    EXPECT_NEAR(estimator.acceleration(), 3.0, 1e-6);
+    EXPECT_NEAR(estimator.velocity(), 3.0 * 998.5 * kPeriodS, 1e-9);
+  }
 }
 
 TEST(AccelerationEstimatorTest, SeesNoStepAtTheFirstPositionOrAfterAReset) {
-  AccelerationEstimator estimator(kPeriodS, kCutoffHz);
-  EXPECT_EQ(estimator.Update(1.5), 0);
-  EXPECT_EQ(estimator.velocity(), 0);
-  EXPECT_EQ(estimator.Update(1.5), 0);
-  estimator.Update(1.6);
-  EXPECT_NE(estimator.acceleration(), 0);
-  estimator.Reset(-7);
-  EXPECT_EQ(estimator.Update(-7), 0);
-  EXPECT_EQ(estimator.velocity(), 0);
+  for (AccelerationEstimator& estimator : OneOfEach()) {
+    EXPECT_EQ(estimator.Update(1.5), 0);
+    EXPECT_EQ(estimator.velocity(), 0);
+    EXPECT_EQ(estimator.Update(1.5), 0);
+    estimator.Update(1.6);
+    estimator.Update(1.6);
+    EXPECT_NE(estimator.acceleration(), 0);
+    estimator.Reset(-7);
+    EXPECT_EQ(estimator.acceleration(), 0);
+    EXPECT_EQ(estimator.Update(-7), 0);
+    EXPECT_EQ(estimator.Update(-7), 0);
+    EXPECT_EQ(estimator.velocity(), 0);
+  }
 }
 
 TEST(AccelerationEstimatorTest, BridgesAGapAsIfTheMissedPositionsLayOnALine) {
   const std::vector<double> before = RandomWalk(50);
   for (const uint64_t periods : {uint64_t{2}, uint64_t{5}, AccelerationEstimator::kMaxBridgedPeriods}) {
-    AccelerationEstimator whole(kPeriodS, kCutoffHz);
-    AccelerationEstimator gapped(kPeriodS, kCutoffHz);
-    for (const double position : before) {
-      whole.Update(position);
-      gapped.Update(position);
+    for (AccelerationEstimator& whole : OneOfEach()) {
+      for (const double position : before) {
+        whole.Update(position);
+      }
+      AccelerationEstimator gapped = whole;
+      const double start = before.back();
+      const double end = start + 0.01;
+      for (uint64_t i = 1; i <= periods; ++i) {
+        whole.Update(start + (end - start) * static_cast<double>(i) / static_cast<double>(periods));
+      }
+      gapped.Update(end, periods);
+      EXPECT_NEAR(gapped.acceleration(), whole.acceleration(), 1e-6);
+      EXPECT_NEAR(gapped.velocity(), whole.velocity(), 1e-9);
     }
-    const double start = before.back();
-    const double end = start + 0.01;
-    for (uint64_t i = 1; i <= periods; ++i) {
-      whole.Update(start + (end - start) * static_cast<double>(i) / static_cast<double>(periods));
-    }
-    gapped.Update(end, periods);
-    EXPECT_NEAR(gapped.acceleration(), whole.acceleration(), 1e-6);
-    EXPECT_NEAR(gapped.velocity(), whole.velocity(), 1e-9);
   }
 }
 
 TEST(AccelerationEstimatorTest, SeesNoAccelerationAcrossAGapInASteadyMotion) {
-  AccelerationEstimator estimator(kPeriodS, kCutoffHz);
-  estimator.Reset(0);
-  int k = 1;
-  for (; k < 2000; ++k) {
-    estimator.Update(k * 0.0005);
+  for (AccelerationEstimator& estimator : OneOfEach()) {
+    estimator.Reset(0);
+    int k = 1;
+    for (; k < 2000; ++k) {
+      estimator.Update(k * 0.0005);
+    }
+    ASSERT_NEAR(estimator.acceleration(), 0, 1e-6);
+    EXPECT_NEAR(estimator.Update((k + 3) * 0.0005, 4), 0, 1e-6);
   }
-  ASSERT_NEAR(estimator.acceleration(), 0, 1e-6);
-  EXPECT_NEAR(estimator.Update((k + 3) * 0.0005, 4), 0, 1e-6);
 }
 
 TEST(AccelerationEstimatorTest, StartsAfreshAfterAGapTooLongToBridge) {
-  AccelerationEstimator estimator(kPeriodS, kCutoffHz);
-  estimator.Update(0);
-  estimator.Update(0.1);
-  EXPECT_EQ(estimator.Update(9, AccelerationEstimator::kMaxBridgedPeriods + 1), 0);
-  EXPECT_EQ(estimator.velocity(), 0);
+  for (AccelerationEstimator& estimator : OneOfEach()) {
+    estimator.Update(0);
+    estimator.Update(0.1);
+    EXPECT_EQ(estimator.Update(9, AccelerationEstimator::kMaxBridgedPeriods + 1), 0);
+    EXPECT_EQ(estimator.velocity(), 0);
+  }
 }
 
 TEST(AccelerationEstimatorTest, GivesTheSameBitsFromTheSamePositions) {
-  AccelerationEstimator first(kPeriodS, kCutoffHz);
-  AccelerationEstimator second(kPeriodS, kCutoffHz);
-  for (const double position : RandomWalk(1000)) {
-    first.Update(position);
-    second.Update(position);
-    ASSERT_EQ(std::bit_cast<uint64_t>(first.acceleration()), std::bit_cast<uint64_t>(second.acceleration()));
+  for (AccelerationEstimator& first : OneOfEach()) {
+    AccelerationEstimator second = first;
+    for (const double position : RandomWalk(1000)) {
+      first.Update(position);
+      second.Update(position);
+      ASSERT_EQ(std::bit_cast<uint64_t>(first.acceleration()),
+                std::bit_cast<uint64_t>(second.acceleration()));
+    }
   }
+}
+
+TEST(AccelerationEstimatorTest, ChangesIntoAnotherWithoutAJumpUnderAConstantAcceleration) {
+  for (const AccelerationEstimator& fresh : OneOfEach()) {
+    for (const EstimatorKind to : kEstimatorKinds) {
+      AccelerationEstimator estimator = fresh;
+      const auto position = [](int k) { return 1.5 * k * kPeriodS * k * kPeriodS; };
+      int k = 0;
+      for (; k < 2000; ++k) {
+        estimator.Update(position(k));
+      }
+      const AccelerationEstimator changed = estimator.ChangedTo(to, 37);
+      EXPECT_EQ(changed.position(), estimator.position());
+      EXPECT_EQ(changed.velocity(), estimator.velocity());
+      EXPECT_EQ(changed.acceleration(), estimator.acceleration());
+      AccelerationEstimator running = changed;
+      for (; k < 2200; ++k) {
+        ASSERT_NEAR(running.Update(position(k)), 3, 1e-6) << Name(to);
+      }
+    }
+  }
+}
+
+TEST(AccelerationEstimatorTest, RunsLikeTheOneThatItChangedInto) {
+  const std::vector<double> positions = RandomWalk(4000);
+  for (const AccelerationEstimator& fresh : OneOfEach()) {
+    for (const EstimatorKind to : kEstimatorKinds) {
+      AccelerationEstimator changed = fresh;
+      AccelerationEstimator always(kPeriodS, 37, to);
+      for (std::size_t k = 0; k < positions.size(); ++k) {
+        if (k == 1000) {
+          changed = changed.ChangedTo(to, 37);
+        }
+        changed.Update(positions[k]);
+        always.Update(positions[k]);
+      }
+      EXPECT_NEAR(changed.acceleration(), always.acceleration(), 1e-9) << Name(to);
+    }
+  }
+}
+
+TEST(AccelerationEstimatorTest, ThatHasSeenNothingTakesTheFirstPositionAsRestAlsoOnceChanged) {
+  AccelerationEstimator changed =
+      AccelerationEstimator(kPeriodS, kCutoffHz).ChangedTo(EstimatorKind::kKalman, 20);
+  EXPECT_EQ(changed.Update(0.4), 0);
+  EXPECT_EQ(changed.velocity(), 0);
 }
 
 }  // namespace

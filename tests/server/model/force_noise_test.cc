@@ -18,7 +18,7 @@ namespace {
 constexpr double kQuantum = 1e-6;
 
 double OpenLoop(const LoopParameters& loop, double mass) {
-  return *OpenLoopForceNoise(PaperEstimator(loop.period_s, loop.cutoff_hz), mass, kQuantum);
+  return *OpenLoopForceNoise(EstimatorOf(loop), mass, kQuantum);
 }
 
 // The standard deviation of what the quantum adds to the commanded force: the same motion once with counts
@@ -69,7 +69,7 @@ TEST(ForceNoise, IsTheMeanSquareOfItsSpectrum) {
     const MWidth m_width = ComputeMWidth(loop);
     const double mass = loops.Uniform(0.9 * m_width.lower.mass, 0.9 * m_width.upper.mass);
     const SampledResponse sampled(loop);
-    const LinearEstimator estimator = PaperEstimator(loop.period_s, loop.cutoff_hz);
+    const LinearEstimator estimator = EstimatorOf(loop);
     // Midpoints over half the circle, dense in frequency and in its logarithm: t = pi e^-y, y to 25.
     constexpr int kSteps = 100000;
     constexpr double kDepth = 25;

@@ -160,8 +160,7 @@ TEST(SampledResponse, ForcesBalanceAtEveryInstant) {
     }
     // Across the step the acceleration changes by the change of the command over the moving mass.
     const CircleFrequency at = AtFrequency(frequency_hz, loop.period_s);
-    const Complex commanded =
-        mass * PaperEstimator(loop.period_s, loop.cutoff_hz).Response(at) * after.position;
+    const Complex commanded = mass * EstimatorOf(loop).Response(at) * after.position;
     const double ticks = loop.delay_s / loop.period_s;
     const double moving_mass = loop.device_mass + loop.hand_mass;
     const Complex step =

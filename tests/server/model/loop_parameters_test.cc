@@ -87,5 +87,30 @@ TEST(ParameterError, SaysInOneSentenceWhatIsWrongAndWhatIsAllowed) {
             "cutoff_hz = 501 is not allowed: it must be above 0, at most half the sample rate (500 Hz)");
 }
 
+TEST(Validate, KnowsEachEstimatorsCutoffs) {
+  LoopParameters loop = kPaper;
+  loop.cutoff_hz = 500;
+  for (const EstimatorKind kind : kEstimatorKinds) {
+    loop.estimator = kind;
+    EXPECT_EQ(Validate(loop).has_value(), kind == EstimatorKind::kButterworth) << Name(kind);
+  }
+  loop.estimator = EstimatorKind::kButterworth;
+  EXPECT_EQ(Validate(loop)->parameter, "cutoff_hz");
+  EXPECT_THAT(Validate(loop)->allowed, HasSubstr("at most 0.49 of the sample rate (490 Hz)"));
+  loop.cutoff_hz = 1e-7;
+  EXPECT_THAT(Validate(loop)->allowed, HasSubstr("at least 1e-06 Hz"));
+}
+
+TEST(Validate, RefusesAnEstimatorThatThereIsNot) {
+  LoopParameters loop = kPaper;
+  loop.estimator = static_cast<EstimatorKind>(17);
+  const auto error = Validate(loop);
+  ASSERT_TRUE(error.has_value());
+  EXPECT_EQ(error->parameter, "estimator");
+  EXPECT_EQ(error->value, 17);
+  EXPECT_THAT(error->allowed,
+              HasSubstr("filtered-difference, late-filtered-difference, butterworth, kalman"));
+}
+
 }  // namespace
 }  // namespace mwidth::model

@@ -20,7 +20,7 @@ namespace {
 
 class RandomLoops {
  public:
-  explicit RandomLoops(unsigned seed) : random_(seed) {}
+  explicit RandomLoops(unsigned seed) : random_(seed), kinds_(seed) {}
 
   // Devices and hands as they are.
   LoopParameters Next(double period_min_s) {
@@ -54,6 +54,8 @@ class RandomLoops {
     if (!OneIn(3)) {
       loop.delay_s = loop.period_s * (OneIn(3) ? std::floor(Uniform(0, 4)) : Uniform(0, 3));
     }
+    loop.estimator = kEstimatorKinds.at(kinds_() % kEstimatorKinds.size());
+    loop.cutoff_hz = std::min(loop.cutoff_hz, CutoffRangeOf(loop.estimator).max / loop.period_s);
     return loop;
   }
   double Uniform(double low, double high) {
@@ -63,13 +65,15 @@ class RandomLoops {
   bool OneIn(int n) { return std::uniform_int_distribution<int>(1, n)(random_) == 1; }
 
   std::mt19937_64 random_;
+  std::mt19937_64 kinds_;
 };
 
 std::string Describe(const LoopParameters& loop) {
   std::ostringstream text;
   text.precision(17);
   text << loop.device_mass << ',' << loop.device_damping << ',' << loop.hand_mass << ',' << loop.hand_damping
-       << ',' << loop.hand_stiffness << ',' << loop.period_s << ',' << loop.cutoff_hz << ',' << loop.delay_s;
+       << ',' << loop.hand_stiffness << ',' << loop.period_s << ',' << loop.cutoff_hz << ',' << loop.delay_s
+       << ',' << Name(loop.estimator);
   return text.str();
 }
 

@@ -51,6 +51,31 @@ TEST(MWidth, HalvesItsUpperSideWithOneTickOfDelay) {
   EXPECT_NEAR(ComputeMWidth(loop).upper.mass / 0.07, 14.5212851, 5e-8);
 }
 
+TEST(MWidth, LosesATickWithoutTheZInTheFiltersNumerator) {
+  for (const double delay_ticks : {0.0, 0.6, 2.0}) {
+    LoopParameters late = kPaper;
+    late.estimator = EstimatorKind::kLateFilteredDifference;
+    late.delay_s = delay_ticks * late.period_s;
+    LoopParameters delayed = kPaper;
+    delayed.delay_s = (delay_ticks + 1) * late.period_s;
+    ExpectRelative(ComputeMWidth(late).upper.mass, ComputeMWidth(delayed).upper.mass, 1e-14);
+    ExpectRelative(ComputeMWidth(late).lower.mass, ComputeMWidth(delayed).lower.mass, 1e-14);
+  }
+  LoopParameters late = kPaper;
+  late.estimator = EstimatorKind::kLateFilteredDifference;
+  EXPECT_NEAR(ComputeMWidth(late).upper.mass / 0.07, 14.5212851, 5e-8);
+}
+
+TEST(MWidth, DependsOnTheEstimator) {
+  LoopParameters loop = kPaper;
+  loop.estimator = EstimatorKind::kButterworth;
+  EXPECT_NEAR(ComputeMWidth(loop).lower.mass / 0.07, -1.9664782, 5e-8);
+  EXPECT_NEAR(ComputeMWidth(loop).upper.mass / 0.07, 27.1096044, 5e-8);
+  loop.estimator = EstimatorKind::kKalman;
+  EXPECT_NEAR(ComputeMWidth(loop).lower.mass / 0.07, -2.6063710, 5e-8);
+  EXPECT_NEAR(ComputeMWidth(loop).upper.mass / 0.07, 10.0464288, 5e-8);
+}
+
 TEST(MWidth, NamesTheFrequencyAtWhichTheLoopOscillates) {
   const MWidth m_width = ComputeMWidth(kPaper);
   // The hand's resonance is at sqrt(700 / 0.07) = 100 rad/s = 15.9 Hz; the light side oscillates just above

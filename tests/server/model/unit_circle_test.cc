@@ -10,12 +10,17 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-// A product of three conjugate factors: 1/z, w - conj as the filter has it, and 1/z once more.
+// A product of four: 1/z, conj(w + gap), 1/z once more, and a factor that turns the other way.
 constexpr double kGap = 0.3;
+constexpr CircleFactor kFilter{kGap, kGap - 2, 1};
+constexpr CircleFactor kOther{0.7, 1.9, -0.6};
 
 std::complex<double> Expected(double angle) {
   const std::complex<double> z = std::polar(1.0, angle);
-  return std::conj(z) * std::conj(z - 1.0 + kGap) * std::conj(z);
+  const double c = (1 + std::cos(angle)) / 2;
+  const double s = (1 - std::cos(angle)) / 2;
+  return std::conj(z) * std::conj(z - 1.0 + kGap) * std::conj(z) *
+         std::complex<double>(0.7 * c + 1.9 * s, 0.6 * std::sin(angle));
 }
 
 TEST(UnitCircle, ValuesAndFormsEqualComplexArithmetic) {
@@ -23,9 +28,10 @@ TEST(UnitCircle, ValuesAndFormsEqualComplexArithmetic) {
   form.degree = 1;
   form.re = {1, -1};
   form.im = {-1};
-  form = TimesConjugate(form, kGap, kGap - 2);
-  form = TimesConjugate(form, 1, -1);
-  ASSERT_EQ(form.degree, 3);
+  for (const CircleFactor& factor : {kFilter, kOneTickLater, kOther}) {
+    form = Times(form, factor);
+  }
+  ASSERT_EQ(form.degree, 4);
   for (int i = 0; i <= 100; ++i) {
     const double angle = kPi * i / 100;
     const double half_sine = std::sin(angle / 2);
@@ -33,8 +39,9 @@ TEST(UnitCircle, ValuesAndFormsEqualComplexArithmetic) {
     const std::complex<double> expected = Expected(angle);
 
     CircleValue value{at.c - at.s, -1, 1, 1};
-    value = TimesConjugate(value, kGap - 2 * at.s, kGap + 2 * at.s, at);
-    value = TimesConjugate(value, at.c - at.s, 1, at);
+    for (const CircleFactor& factor : {kFilter, kOneTickLater, kOther}) {
+      value = Times(value, factor, at);
+    }
     EXPECT_NEAR(value.re, expected.real(), 1e-14);
     EXPECT_NEAR(value.im * std::sin(angle), expected.imag(), 1e-14);
     EXPECT_GE(value.re_size, std::abs(value.re));
@@ -45,13 +52,15 @@ TEST(UnitCircle, ValuesAndFormsEqualComplexArithmetic) {
   }
 }
 
-TEST(UnitCircle, KeepsTheRelativeAccuracyOfASmallGapNearStandstill) {
+TEST(UnitCircle, KeepsTheRelativeAccuracyOfASmallGapAtBothEnds) {
   // conj(w + gap) at |w| = 2e-12: the real part is gap - 2 s, of 1e-20, and not the difference of two numbers
-  // near 1.
+  // near 1. At the other end of the circle it is the same the other way round.
   const CirclePoint at = PointAt(1e-24);
-  const CircleValue value = TimesConjugate({1, 0, 1, 0}, 1e-20 - 2 * at.s, 1e-20 + 2 * at.s, at);
+  const CircleValue value = Times({1, 0, 1, 0}, {1e-20, 1e-20 - 2, 1}, at);
   EXPECT_DOUBLE_EQ(value.re, 0.9998e-20);
   EXPECT_DOUBLE_EQ(value.im, -1);
+  const CircleValue opposite = Times({1, 0, 1, 0}, {-2, 1e-20, 1}, {1, 1e-24});
+  EXPECT_DOUBLE_EQ(opposite.re, 0.9998e-20);
 }
 
 }  // namespace

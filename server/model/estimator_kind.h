@@ -1,0 +1,55 @@
+// Which estimators of acceleration there are.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace mwidth::model {
+
+/// What follows the double backward difference of the sampled positions, D(z) = (z - 1)^2 / (T z)^2 (eq. 3).
+enum class EstimatorKind : uint8_t {
+  /// The paper's H(z) = (1 - a) z / (z - a), a = e^(-w0 T) (eq. 4).
+  kFilteredDifference,
+  /// The same without the z in its numerator: (1 - a) / (z - a). What a loop runs that filters the difference
+  /// of
+  /// the tick before; one tick more of lag.
+  kLateFilteredDifference,
+  /// Second-order Butterworth low-pass filter, by the bilinear transform, exactly -3 dB at the cut-off.
+  kButterworth,
+  /// Steady-state Kalman filter of a target of constant acceleration (alpha-beta-gamma filter). Its gains
+  /// follow
+  /// from the cut-off at which the estimate is exactly 3 dB below the double difference.
+  kKalman,
+};
+
+/// All of them.
+inline constexpr std::array<EstimatorKind, 4> kEstimatorKinds{
+    EstimatorKind::kFilteredDifference, EstimatorKind::kLateFilteredDifference, EstimatorKind::kButterworth,
+    EstimatorKind::kKalman};
+
+/// "filtered-difference", "late-filtered-difference", "butterworth" or "kalman", as configurations and
+/// messages have it; "unknown" for any other value. Any thread. Rt.
+const char* Name(EstimatorKind kind) noexcept;
+
+/// The kind of that name, if any. Any thread. Rt.
+std::optional<EstimatorKind> EstimatorNamed(std::string_view name) noexcept;
+
+/// Cut-off frequencies that an estimator runs with, as fractions of the sample rate.
+struct CutoffRange {
+  double min = 0;
+  double max = 0;
+};
+
+/// Up to half the sample rate, where the filter's poles allow it: those of the bilinear transform reach the
+/// unit circle there, so Butterworth's ends at 0.49. Filters of higher order begin at 1e-9, below which their
+/// coefficients mean nothing in double precision; the first-order ones at 0, excluded. `kind` is one of
+/// kEstimatorKinds. Any thread. Rt.
+CutoffRange CutoffRangeOf(EstimatorKind kind) noexcept;
+
+/// True where `kind` is one of kEstimatorKinds and runs at `cutoff_hz` with the sample period `period_s`;
+/// false for NaN. Any thread. Rt.
+bool Runs(EstimatorKind kind, double period_s, double cutoff_hz) noexcept;
+
+}  // namespace mwidth::model
