@@ -1,28 +1,17 @@
-// Friction against what is known of it on paper, and against small steps that know nothing of events.
+// Friction against what is known of it on paper.
 #include "server/model/friction_simulation.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <random>
+
+#include "tests/server/model/model_loops.h"
 
 namespace mwidth::model {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 LoopParameters FreeMass() { return {.device_mass = 2, .period_s = 1e-3, .cutoff_hz = 10}; }
-
-LoopParameters PaperLoop() {
-  return {.device_mass = 0.07,
-          .device_damping = 0.005,
-          .hand_damping = 5,
-          .hand_stiffness = 700,
-          .period_s = 1e-3,
-          .cutoff_hz = 10};
-}
 
 TEST(FrictionSimulation, StopsAFreeMassWhenFrictionHasTakenItsMomentum) {
   FrictionSimulation simulation(FreeMass(), 0.8);
@@ -115,7 +104,7 @@ TEST(FrictionSimulation, CountsHundredsOfSwingsWithinOneTick) {
 }
 
 TEST(FrictionSimulation, BreaksLooseWhenTheSpringPullsHarderThanFriction) {
-  LoopParameters loop = PaperLoop();
+  LoopParameters loop = TableTwo();
   loop.hand_damping = 0;
   loop.device_damping = 0;
   const double friction = 1.4;
@@ -138,156 +127,12 @@ TEST(FrictionSimulation, BreaksLooseWhenTheSpringPullsHarderThanFriction) {
 }
 
 TEST(FrictionSimulation, TrailsASteadyHandByDampingAndFriction) {
-  FrictionSimulation simulation(PaperLoop(), 1.4);
+  FrictionSimulation simulation(TableTwo(), 1.4);
   for (int tick = 1; tick <= 3000; ++tick) {
     simulation.Advance(tick * 1e-4);
   }
   EXPECT_NEAR(simulation.hand_position() - simulation.position(), (1.4 + 0.005 * 0.1) / 700, 1e-14);
   EXPECT_NEAR(simulation.velocity(), 0.1, 1e-13);
-}
-
-/// Implicit steps a thousandth of a tick long: velocity and friction are found together, as the zero of a
-/// monotone function, so nothing has to be detected.
-class SmallSteps {
- public:
-  SmallSteps(const LoopParameters& loop, double friction) : loop_(loop), friction_(friction) {}
-
-  void Advance(double force_before, double force_after, double fraction, double hand_next) {
-    const double hand_velocity = (hand_next - hand_) / loop_.period_s;
-    const double hand_start = hand_;
-    const double h = loop_.period_s / kSteps;
-    const double mass = loop_.device_mass + loop_.hand_mass;
-    for (int i = 1; i <= kSteps; ++i) {
-      hand_ = hand_start + hand_velocity * h * i;
-      const double force = i <= fraction * kSteps ? force_before : force_after;
-      // mass (v - v_before)/h = k (hand - x_before - h v) + b_h hand' - (b + b_h) v - F_a - F_c sign(v).
-      const double inertia = mass / h + h * loop_.hand_stiffness + loop_.device_damping + loop_.hand_damping;
-      const double push = mass / h * velocity + loop_.hand_stiffness * (hand_ - position) +
-                          loop_.hand_damping * hand_velocity - force;
-      velocity = std::copysign(std::max(std::abs(push) - friction_, 0.0), push) / inertia;
-      position += h * velocity;
-    }
-    hand_ = hand_next;
-  }
-
-  double position = 0;
-  double velocity = 0;
-
- private:
-  static constexpr int kSteps = 1000;
-  LoopParameters loop_;
-  double friction_;
-  double hand_ = 0;
-};
-
-TEST(FrictionSimulation, MovesAsSmallStepsDo) {
-  std::mt19937_64 random(2012);
-  const auto uniform = [&](double low, double high) {
-    return std::uniform_real_distribution<double>(low, high)(random);
-  };
-  int stops = 0;
-  for (int i = 0; i < 60; ++i) {
-    LoopParameters loop = PaperLoop();
-    loop.hand_damping = i % 3 == 0 ? 0 : std::exp(uniform(-3, 5));  // swinging to creeping
-    loop.hand_stiffness = i % 5 == 0 ? 0 : std::exp(uniform(4, 11));
-    loop.hand_mass = i % 2 == 0 ? 0 : 0.05;
-    const double fraction = i % 4 == 0 ? 0 : 0.25 * (i % 4);
-    loop.delay_s = fraction * loop.period_s;
-    const double friction = std::exp(uniform(-3, 1));
-    FrictionSimulation simulation(loop, friction);
-    SmallSteps steps(loop, friction);
-    double hand = 0;
-    double force = 0;
-    double scale = 1e-6;
-    for (int tick = 0; tick < 60; ++tick) {
-      const double force_before = force;
-      force = friction * uniform(-2, 2);
-      hand += uniform(-1, 1) * 1e-3;
-      simulation.Command(force);
-      simulation.Advance(hand);
-      steps.Advance(force_before, force, fraction, hand);
-      scale = std::max(scale, std::abs(steps.position));
-      stops += simulation.velocity() == 0 ? 1 : 0;
-      // First order in the step, 1/1000 of a tick.
-      ASSERT_NEAR(simulation.position(), steps.position, 0.01 * scale) << i << ", tick " << tick;
-    }
-  }
-  EXPECT_GT(stops, 100);
-}
-
-TEST(FrictionSimulation, WithVanishingFrictionIsTheSmoothSimulation) {
-  std::mt19937_64 random(7);
-  const auto uniform = [&](double low, double high) {
-    return std::uniform_real_distribution<double>(low, high)(random);
-  };
-  for (int i = 0; i < 100; ++i) {
-    LoopParameters loop = PaperLoop();
-    loop.device_mass = std::exp(uniform(-5, 2));
-    loop.hand_damping = std::exp(uniform(-4, 5));
-    loop.hand_stiffness = std::exp(uniform(0, 10));
-    loop.delay_s = uniform(0, 3) * loop.period_s;
-    HybridSimulation smooth(loop);
-    FrictionSimulation rough(loop, 1e-300);
-    double hand = 0;
-    double scale = 0;
-    for (int tick = 0; tick < 200; ++tick) {
-      const double force = uniform(-1, 1);
-      hand += uniform(-1, 1) * 1e-3;
-      smooth.Command(force);
-      rough.Command(force);
-      scale = std::max(scale, std::abs(smooth.Advance(hand)));
-      rough.Advance(hand);
-      ASSERT_NEAR(rough.position(), smooth.position(), 1e-12 * scale) << i << ", tick " << tick;
-    }
-  }
-}
-
-TEST(FrictionSimulation, NeverGainsEnergyUnderAHandAtRest) {
-  std::mt19937_64 random(3);
-  for (int i = 0; i < 300; ++i) {
-    const auto log_uniform = [&](double low, double high) {
-      return std::exp(std::uniform_real_distribution<double>(std::log(low), std::log(high))(random));
-    };
-    const LoopParameters loop{.device_mass = log_uniform(1e-4, 1e2),
-                              .device_damping = i % 2 == 0 ? 0 : log_uniform(1e-4, 1e3),
-                              .hand_stiffness = log_uniform(1, 1e5),
-                              .period_s = log_uniform(1e-5, 1e-2),
-                              .cutoff_hz = 1};
-    FrictionSimulation simulation(loop, log_uniform(1e-6, 1e2));
-    simulation.Reset(log_uniform(1e-3, 1), -log_uniform(1e-3, 1), 0);
-    double before = kInfinity;
-    for (int tick = 0; tick < 200; ++tick) {
-      simulation.Advance(0);
-      const double energy = loop.device_mass * simulation.velocity() * simulation.velocity() +
-                            loop.hand_stiffness * simulation.position() * simulation.position();
-      // The phase of a fast swing is known to a rounding per radian, and so is what friction has taken.
-      const double radians = std::sqrt(loop.hand_stiffness / loop.device_mass) * loop.period_s;
-      ASSERT_LE(energy, before * (1 + 1e-14 * (1 + radians))) << i << ", tick " << tick;
-      before = energy;
-    }
-  }
-}
-
-TEST(FrictionSimulation, EndsItsTickWhateverTheNumbersAndIsAsNewAfterAReset) {
-  FrictionSimulation fresh(PaperLoop(), 0.5);
-  fresh.Reset(0.01, -0.2, 0);
-  fresh.Advance(0.001);
-  for (const double value : {std::nan(""), kInfinity, -kInfinity, 1e300, 1e-310}) {
-    FrictionSimulation simulation(PaperLoop(), 0.5);
-    simulation.Command(value);
-    simulation.Advance(0.01);
-    simulation.Advance(value);
-    simulation.Reset(0, value, 0);
-    simulation.Advance(-0.01);
-    simulation.Reset(value, 1, 0);
-    for (int tick = 0; tick < 100; ++tick) {
-      simulation.Advance(0);
-    }
-    simulation.Reset(0.01, -0.2, 0);
-    simulation.Advance(0.001);
-    EXPECT_EQ(simulation.position(), fresh.position());
-    EXPECT_EQ(simulation.velocity(), fresh.velocity());
-  }
 }
 
 }  // namespace
