@@ -73,7 +73,8 @@ void FrictionSimulation::Pass(const Part& part, double force) noexcept {
     double pull = Pull(force);
     double direction = velocity_ == 0 ? 0 : std::copysign(1.0, velocity_);
     if (direction == 0) {
-      // What stopped was not pulled on beyond friction, whatever rounding says.
+      // What stopped was not pulled on beyond friction, whatever rounding says: a slide too short to move
+      // anything would begin again for ever.
       pull = stopped_from * pull > friction_ ? stopped_from * friction_ : pull;
       if (std::abs(pull) <= friction_) {
         const double sticking_s = StickingTime(pull, rest.time_s);

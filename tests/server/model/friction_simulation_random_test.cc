@@ -137,6 +137,24 @@ TEST(FrictionSimulationInRandomLoops, NeverGainsEnergyUnderAHandAtRest) {
   }
 }
 
+TEST(FrictionSimulationInRandomLoops, GoesOnWhereASlideIsTooShortForItsTimeToCount) {
+  // A force that hardly beats friction pushes one way, the hand pulls the other: the slide ends after 1e-120
+  // s, in which neither hand nor device moves by a rounding. The pull, unchanged, must not start it again.
+  LoopParameters loop = TableTwo();
+  loop.device_damping = loop.hand_damping;
+  loop.hand_damping = 0;
+  const double hand = 1e-4;
+  FrictionSimulation rough(loop, 1e-124);
+  HybridSimulation smooth(loop);
+  rough.Reset(hand, 0, hand);
+  smooth.Reset(hand, 0, hand);
+  rough.Command(1e-120);
+  rough.Advance(hand + 5e-5);
+  smooth.Advance(hand + 5e-5);
+  EXPECT_NEAR(rough.position(), smooth.position(), 1e-19);
+  EXPECT_GT(rough.velocity(), 0);
+}
+
 TEST(FrictionSimulationInRandomLoops, EndsItsTickWhateverTheNumbersAndIsAsNewAfterAReset) {
   FrictionSimulation fresh(TableTwo(), 0.5);
   fresh.Reset(0.01, -0.2, 0);

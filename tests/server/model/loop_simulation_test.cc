@@ -125,6 +125,19 @@ TEST(LoopSimulation, ForceIsNeverBeyondItsLimit) {
   }
 }
 
+TEST(LoopSimulation, LargestForceIsAWholeCountAlsoJustBelowTheNext) {
+  // The limit is 17 counts less a rounding, and divided by the count it rounds to 17.
+  const double quantum = 0.1;
+  const double limit = std::nextafter(17 * quantum, 0);
+  ASSERT_EQ(std::floor(limit / quantum), 17);
+  LoopSimulation simulation(TableTwo(), 1, {.force_quantum = quantum, .force_limit = limit});
+  double largest = 0;
+  for (int tick = 0; tick < 2000; ++tick) {
+    largest = std::max(largest, std::abs(simulation.Step(SweepingHand(tick)).force));
+  }
+  EXPECT_EQ(largest, 16 * quantum);
+}
+
 TEST(LoopSimulation, ForceLimitNeverMetChangesNothing) {
   LoopSimulation free(TableTwo(), 0.2);
   LoopSimulation limited(TableTwo(), 0.2, {.force_limit = 5});
