@@ -30,7 +30,7 @@ TEST(EstimatorRange, HoldsTheEstimatorOnTheArc) {
     const Arc arc(Around(x, random.Uniform(0.5, 1), random.Uniform(1, 2)));
     const CircleRange range = FirstOrderRange(kPeriod, cutoff_hz).Over(arc);
     const std::complex<double> response =
-        PaperEstimator(kPeriod, cutoff_hz)
+        EstimatorOf({.period_s = kPeriod, .cutoff_hz = cutoff_hz})
             .Response(AtFrequency(angle / (2 * std::numbers::pi * kPeriod), kPeriod));
     const std::complex<double> factor = -kPeriod * kPeriod * response / (4 * x);
     const double rounding = 1e-10;
