@@ -6,6 +6,7 @@
 #include <cmath>
 #include <complex>
 #include <cstddef>
+#include <exception>
 #include <numbers>
 #include <string>
 
@@ -84,6 +85,9 @@ class ActingForce {
   std::array<double, 5> commands_{};
 };
 
+// Ends a quadrature that does not converge.
+struct Unresolved : std::exception {};
+
 }  // namespace
 
 std::optional<ParameterError> Validate(const MotionBand& band, double period_s) {
@@ -109,18 +113,31 @@ PerceivedMass PredictPerceivedMass(const LoopParameters& loop, double mass, cons
   using Quadrature = boost::math::quadrature::gauss_kronrod<double, 31>;
   constexpr unsigned kMaxHalvings = 20;
   constexpr double kTolerance = 1e-10;
+  // Some tens of thousands do where there is something to find.
+  int evaluations_left = 500'000;
   const SampledResponse sampled(loop);
   const auto integrate = [&](auto integrand) {
     return Quadrature::integrate(
-        [&](double frequency_hz) { return integrand(sampled.ToHand(mass, frequency_hz, instant)); },
+        [&](double frequency_hz) {
+          if (--evaluations_left < 0) {
+            throw Unresolved();
+          }
+          return integrand(sampled.ToHand(mass, frequency_hz, instant));
+        },
         band.lowest_hz, band.highest_hz, kMaxHalvings, kTolerance);
   };
-  const double explained = integrate([](const HandResponse& response) {
-    return (response.hand_force * std::conj(response.acceleration)).real();
-  });
-  const double motion =
-      integrate([](const HandResponse& response) { return std::norm(response.acceleration); });
-  return Perceived(explained / motion, loop.device_mass + mass);
+  try {
+    // The imaginary part, which is what damps, is integrated along: where it dwarfs the real part, the real
+    // part has its rounding errors, and ten digits of it alone are not to be had.
+    const double explained = integrate([](const HandResponse& response) {
+                               return response.hand_force * std::conj(response.acceleration);
+                             }).real();
+    const double motion =
+        integrate([](const HandResponse& response) { return std::norm(response.acceleration); });
+    return Perceived(explained / motion, loop.device_mass + mass);
+  } catch (const Unresolved&) {
+    return {.perception = Perception::kUnresolved};
+  }
 }
 
 PerceivedMass MeasurePerceivedMass(const LoopParameters& loop, double mass, const MotionBand& band,

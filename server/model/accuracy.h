@@ -53,6 +53,9 @@ enum class Perception : uint8_t {
   kKnown,     ///< yes
   kUnstable,  ///< the virtual mass is outside the M-width: the hand feels an oscillation that grows
   kNotMoved,  ///< the hand holds with neither stiffness nor damping, and moves nothing
+  /// The prediction drowns in rounding errors: damping holds the device so much faster than a tick that its
+  /// acceleration is not seen
+  kUnresolved,
 };
 
 struct PerceivedMass {
@@ -71,7 +74,8 @@ struct PerceivedMass {
 ///
 /// with complex amplitudes per unit of hand motion. duration_s is not used: it is as if the chirp took for
 /// ever. A resonance in the band so sharp that the chirp passes before it has swung in is overrated. `mass`
-/// finite. Precondition: Validate(loop) and Validate(band, loop.period_s) are empty. Any thread, some 10 us.
+/// finite. Precondition: Validate(loop) and Validate(band, loop.period_s) are empty. Any thread; some 10 us,
+/// with sharp resonances some ms, at most some 100 ms.
 PerceivedMass PredictPerceivedMass(const LoopParameters& loop, double mass, const MotionBand& band,
                                    TickInstant instant = TickInstant::kAfterForceStep);
 

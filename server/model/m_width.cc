@@ -60,14 +60,8 @@ double GainMargin(const MWidth& m_width, double mass) {
   return (mass > 0 ? m_width.upper.mass : m_width.lower.mass) / mass;
 }
 
-std::optional<double> HighestAdmittingCutoffHz(const LoopParameters& loop, double mass, double gain_margin) {
-  const double needed = mass * gain_margin;
-  const auto admits = [&](double cutoff_hz) {
-    LoopParameters candidate = loop;
-    candidate.cutoff_hz = cutoff_hz;
-    return ComputeMWidth(candidate).Contains(needed);
-  };
-  double refused = loop.cutoff_hz;
+std::optional<double> HighestAdmittingCutoffHz(double highest_hz, const std::function<bool(double)>& admits) {
+  double refused = highest_hz;
   if (admits(refused)) {
     return refused;
   }
@@ -86,6 +80,14 @@ std::optional<double> HighestAdmittingCutoffHz(const LoopParameters& loop, doubl
     (admits(middle) ? admitted : refused) = middle;
   }
   return admitted;
+}
+
+std::optional<double> HighestAdmittingCutoffHz(const LoopParameters& loop, double mass, double gain_margin) {
+  return HighestAdmittingCutoffHz(loop.cutoff_hz, [&](double cutoff_hz) {
+    LoopParameters candidate = loop;
+    candidate.cutoff_hz = cutoff_hz;
+    return ComputeMWidth(candidate).Contains(mass * gain_margin);
+  });
 }
 
 }  // namespace mwidth::model

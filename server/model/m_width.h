@@ -1,6 +1,7 @@
 // The M-width of a loop: which virtual masses it renders stably, in closed form.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -38,10 +39,13 @@ MWidth ComputeMWidth(const LoopParameters& loop);
 /// infinite at a mass of 0, 0 where the M-width is empty. Not in decibels.
 double GainMargin(const MWidth& m_width, double mass);
 
-/// Highest cut-off frequency at most `loop.cutoff_hz` at which `mass`, grown by `gain_margin`, is inside the
-/// M-width of `loop` otherwise unchanged; none where no cut-off down to 0.1 Hz admits it. Relative accuracy
-/// 1e-6, from below: the answer itself admits the mass. The search goes down in steps of 3 %, so a narrower
-/// island of admitting cut-offs may be passed over in favour of a lower answer. Precondition as above.
+/// Highest cut-off frequency at most `highest_hz` that `admits` accepts; none where it accepts none down to
+/// 0.1 Hz. Relative accuracy 1e-6, from below: the answer itself is accepted. The search goes down in steps
+/// of 3 %, so a narrower island of admitting cut-offs may be passed over in favour of a lower answer.
+std::optional<double> HighestAdmittingCutoffHz(double highest_hz, const std::function<bool(double)>& admits);
+
+/// The same, from `loop.cutoff_hz` down, where `mass`, grown by `gain_margin`, is inside the M-width of
+/// `loop` otherwise unchanged. Precondition as above.
 std::optional<double> HighestAdmittingCutoffHz(const LoopParameters& loop, double mass, double gain_margin);
 
 }  // namespace mwidth::model

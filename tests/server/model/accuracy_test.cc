@@ -145,5 +145,19 @@ TEST(LeastSquaresMass, FitsWhatItIsGiven) {
   EXPECT_DOUBLE_EQ(*fit.mass(), (2 + 9) / 5.0);
 }
 
+TEST(PredictPerceivedMass, SaysSoWhereRoundingErrorsDrownTheMass) {
+  // Damping stops this device a thousand times within a sample period.
+  const LoopParameters stuck{.device_mass = 2.2e-6,
+                             .device_damping = 1706,
+                             .hand_mass = 0,
+                             .hand_damping = 2e-9,
+                             .hand_stiffness = 117,
+                             .period_s = 2.7e-5,
+                             .cutoff_hz = 64,
+                             .delay_s = 8e-5};
+  const PerceivedMass perceived = PredictPerceivedMass(stuck, -1.6e-7, {.lowest_hz = 0.1, .highest_hz = 3});
+  EXPECT_EQ(perceived.perception, Perception::kUnresolved);
+}
+
 }  // namespace
 }  // namespace mwidth::model
