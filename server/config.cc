@@ -99,6 +99,7 @@ AxisConfig ReadAxis(ConfigTable axis, const std::filesystem::path& folder) {
 
   ConfigTable gate = axis.Table("gate");
   read.required_gain_margin_db = gate.NumberOr("required_gain_margin_db", {0, 40}, kDefaultGainMarginDb);
+  read.force_noise_limit = gate.OptionalNumber("force_noise_limit", {0, kLargest, true});
   gate.Finish();
 
   read.limits = ReadLimits(axis.Table("limits"));

@@ -58,6 +58,8 @@ struct AxisConfig {
   model::AxisKind kind = model::AxisKind::kLinear;
   model::LoopParameters loop;
   double required_gain_margin_db = 0;
+  /// Largest standard deviation of the force that the encoder's counts may cause; none: any.
+  std::optional<double> force_noise_limit;
   LimitsConfig limits;
   RealtimeConfig realtime;
   DriveConfig drive;

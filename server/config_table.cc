@@ -35,8 +35,12 @@ double ConfigTable::Number(std::string_view key, Range allowed) {
 }
 
 double ConfigTable::NumberOr(std::string_view key, Range allowed, double otherwise) {
+  return OptionalNumber(key, allowed).value_or(otherwise);
+}
+
+std::optional<double> ConfigTable::OptionalNumber(std::string_view key, Range allowed) {
   const toml::node* node = Find(key);
-  return node == nullptr ? otherwise : CheckedNumber(key, *node, allowed);
+  return node == nullptr ? std::nullopt : std::optional(CheckedNumber(key, *node, allowed));
 }
 
 int ConfigTable::IntegerOr(std::string_view key, Range allowed, int otherwise) {

@@ -27,6 +27,7 @@ class ConfigTable {
 
   double Number(std::string_view key, Range allowed);
   double NumberOr(std::string_view key, Range allowed, double otherwise);
+  std::optional<double> OptionalNumber(std::string_view key, Range allowed);
   int IntegerOr(std::string_view key, Range allowed, int otherwise);
   std::optional<int> OptionalInteger(std::string_view key, Range allowed);
   std::string String(std::string_view key);

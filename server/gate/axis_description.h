@@ -1,8 +1,10 @@
 // What an axis is, as far as it never changes while the server runs.
 #pragma once
 
+#include <optional>
 #include <string>
 
+#include "server/gate/force_noise_limit.h"
 #include "server/model/axis_kind.h"
 #include "server/model/loop_parameters.h"
 
@@ -21,6 +23,10 @@ struct AxisDescription {
   double force_limit = 0;
   /// 0 or more; what an admitted mass keeps from the edge of the M-width.
   double required_gain_margin_db = 0;
+  /// Position of one encoder count; m or rad.
+  double position_quantum = 0;
+  /// Largest standard deviation of the force that the encoder's counts may cause; none: any.
+  std::optional<double> force_noise_limit{};
   bool simulated = false;
   /// Whether the loop has real-time scheduling and, if not, why and how to change it.
   bool realtime = false;
@@ -28,6 +34,12 @@ struct AxisDescription {
   /// Why this axis must not render, with what to do about it; empty where it may. A real drive without
   /// real-time scheduling is one reason.
   std::string rendering_blocked_reason;
+
+  /// What a mass must keep besides the M-width; none where any noise is allowed.
+  std::optional<ForceNoiseLimit> NoiseLimit() const {
+    return force_noise_limit ? std::optional(ForceNoiseLimit{position_quantum, *force_noise_limit})
+                             : std::nullopt;
+  }
 };
 
 }  // namespace mwidth::gate

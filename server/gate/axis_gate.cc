@@ -33,7 +33,7 @@ bool Acknowledged(const LoopStatus&) { return true; }
 AxisGate::AxisGate(AxisDescription description, exchange::Crossing& crossing, const exchange::Clock& clock,
                    WaitForLoop wait)
     : description_(Checked(std::move(description))),
-      stability_(description_.loop, description_.required_gain_margin_db),
+      stability_(description_.loop, description_.required_gain_margin_db, description_.NoiseLimit()),
       crossing_(crossing),
       clock_(clock),
       wait_(std::move(wait)),
@@ -164,13 +164,17 @@ Result<MassGrant> AxisGate::SetMass(const std::string& lease_id, const MassReque
   StabilityReport report = stability_.Judge(
       request.mass, {.min = description_.mass_min, .max = description_.mass_max}, description_.kind);
   if (!report.admitted) {
-    return UnstableMass(report, description_);
+    return InadmissibleMass(report, description_);
   }
   const Result<Posted> posted = PostMass(lease_id, request);
   if (!posted.ok()) {
     return posted.refusal();
   }
-  MassGrant grant{.mass = request.mass, .stability = std::move(report), .tick = 0};
+  MassGrant grant{.mass = request.mass,
+                  .stability = std::move(report),
+                  .accuracy = PredictAccuracy(description_.loop, request.mass, kDefaultBand,
+                                              description_.position_quantum),
+                  .tick = 0};
   if (!request.validate_only) {
     const Result<LoopStatus> answer = Await(*posted, Acknowledged);
     if (!answer.ok()) {

@@ -31,4 +31,8 @@ std::string FigureTowardsZero(double value) {
 
 std::string MassUnit(model::AxisKind kind) { return kind == model::AxisKind::kLinear ? "kg" : "kg m^2"; }
 
+std::string PositionUnit(model::AxisKind kind) { return kind == model::AxisKind::kLinear ? "m" : "rad"; }
+
+std::string ForceUnit(model::AxisKind kind) { return kind == model::AxisKind::kLinear ? "N" : "N m"; }
+
 }  // namespace mwidth::gate

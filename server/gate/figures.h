@@ -15,5 +15,9 @@ std::string FigureTowardsZero(double value);
 
 /// "kg" or "kg m^2".
 std::string MassUnit(model::AxisKind kind);
+/// "m" or "rad".
+std::string PositionUnit(model::AxisKind kind);
+/// "N" or "N m".
+std::string ForceUnit(model::AxisKind kind);
 
 }  // namespace mwidth::gate

@@ -4,16 +4,10 @@
 #include <string>
 
 #include "server/gate/figures.h"
+#include "server/gate/invalid_number.h"
 
 namespace mwidth::gate {
 namespace {
-
-Refusal InvalidNumber(const std::string& field, double value, const std::string& allowed) {
-  return {.code = RefusalCode::kInvalidArgument,
-          .reason = kInvalidNumber,
-          .message = field + " is " + Figure(value) + ": " + allowed + ".",
-          .metadata = {{"field", field}, {"value", Figure(value)}, {"allowed", allowed}}};
-}
 
 std::string Range(const Interval& interval) {
   return FigureTowardsZero(interval.min) + " to " + FigureTowardsZero(interval.max);
@@ -28,27 +22,17 @@ std::string Advice(const StabilityReport& report, const std::string& unit) {
   return advice + ". The mass rendered so far stays.";
 }
 
-}  // namespace
-
-std::optional<Refusal> CheckNumbers(const MassRequest& request, const AxisDescription& axis) {
-  if (!std::isfinite(request.mass)) {
-    return InvalidNumber("mass", request.mass, "give a finite number");
-  }
-  if (!(request.ramp_s >= 0 && request.ramp_s <= kMaxRampS)) {
-    return InvalidNumber("ramp", request.ramp_s, "give 0 to 10 s, or leave it unset for 0.2 s");
-  }
-  if (request.mass < axis.mass_min || request.mass > axis.mass_max) {
-    const std::string unit = " " + MassUnit(axis.kind);
-    return Refusal{.code = RefusalCode::kInvalidArgument,
-                   .reason = kMassLimit,
-                   .message = "A virtual mass of " + Figure(request.mass) + unit +
-                              " is outside the limits that are configured for this axis: ask for " +
-                              Figure(axis.mass_min) + " to " + Figure(axis.mass_max) + unit + ".",
-                   .metadata = {{"mass", Figure(request.mass)},
-                                {"mass_min", Figure(axis.mass_min)},
-                                {"mass_max", Figure(axis.mass_max)}}};
-  }
-  return std::nullopt;
+Refusal NoisyMass(const StabilityReport& report, const AxisDescription& axis) {
+  return {.code = RefusalCode::kFailedPrecondition,
+          .reason = kNoisyMass,
+          .message = "A virtual mass of " + Figure(report.requested_mass) + " " + MassUnit(axis.kind) +
+                     " is stable, but makes the force buzz. " + report.binding + " " +
+                     Advice(report, MassUnit(axis.kind)),
+          .metadata = {{"mass", Figure(report.requested_mass)},
+                       {"force_noise", Figure(report.force_noise.value_or(0))},
+                       {"force_noise_limit", Figure(axis.force_noise_limit.value_or(0))},
+                       {"nearest_admitted_mass", FigureTowardsZero(report.nearest_admitted_mass)}},
+          .stability = report};
 }
 
 Refusal UnstableMass(const StabilityReport& report, const AxisDescription& axis) {
@@ -70,6 +54,33 @@ Refusal UnstableMass(const StabilityReport& report, const AxisDescription& axis)
                      Advice(report, unit);
   refusal.metadata["nearest_admitted_mass"] = FigureTowardsZero(report.nearest_admitted_mass);
   return refusal;
+}
+
+}  // namespace
+
+std::optional<Refusal> CheckNumbers(const MassRequest& request, const AxisDescription& axis) {
+  if (!std::isfinite(request.mass)) {
+    return InvalidNumber("mass", request.mass, "a finite number");
+  }
+  if (!(request.ramp_s >= 0 && request.ramp_s <= kMaxRampS)) {
+    return InvalidNumber("ramp", request.ramp_s, "0 to 10 s; unset means 0.2 s");
+  }
+  if (request.mass < axis.mass_min || request.mass > axis.mass_max) {
+    const std::string unit = " " + MassUnit(axis.kind);
+    return Refusal{.code = RefusalCode::kInvalidArgument,
+                   .reason = kMassLimit,
+                   .message = "A virtual mass of " + Figure(request.mass) + unit +
+                              " is outside the limits that are configured for this axis: ask for " +
+                              Figure(axis.mass_min) + " to " + Figure(axis.mass_max) + unit + ".",
+                   .metadata = {{"mass", Figure(request.mass)},
+                                {"mass_min", Figure(axis.mass_min)},
+                                {"mass_max", Figure(axis.mass_max)}}};
+  }
+  return std::nullopt;
+}
+
+Refusal InadmissibleMass(const StabilityReport& report, const AxisDescription& axis) {
+  return report.noisy ? NoisyMass(report, axis) : UnstableMass(report, axis);
 }
 
 }  // namespace mwidth::gate

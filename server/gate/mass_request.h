@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "server/gate/axis_description.h"
+#include "server/gate/mass_accuracy.h"
 #include "server/gate/refusal.h"
 #include "server/gate/stability_report.h"
 
@@ -26,6 +27,7 @@ struct MassRequest {
 struct MassGrant {
   double mass = 0;
   StabilityReport stability;
+  MassAccuracy accuracy;
   /// A tick by which the loop had taken it up; 0 with validate_only.
   uint64_t tick = 0;
 };
@@ -34,7 +36,8 @@ struct MassGrant {
 /// or the mass is outside the axis's hard limits (MASS_LIMIT).
 std::optional<Refusal> CheckNumbers(const MassRequest& request, const AxisDescription& axis);
 
-/// FAILED_PRECONDITION (UNSTABLE_MASS) with the ranges in words and `report` attached.
-Refusal UnstableMass(const StabilityReport& report, const AxisDescription& axis);
+/// The refusal of a mass that `report` does not admit, with `report` attached: FAILED_PRECONDITION,
+/// UNSTABLE_MASS with the ranges in words, or NOISY_MASS with the noise and its limit.
+Refusal InadmissibleMass(const StabilityReport& report, const AxisDescription& axis);
 
 }  // namespace mwidth::gate

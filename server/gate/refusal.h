@@ -28,6 +28,7 @@ inline constexpr const char* kInvalidNumber = "INVALID_NUMBER";
 inline constexpr const char* kInvalidText = "INVALID_TEXT";
 inline constexpr const char* kMassLimit = "MASS_LIMIT";
 inline constexpr const char* kUnstableMass = "UNSTABLE_MASS";
+inline constexpr const char* kNoisyMass = "NOISY_MASS";
 inline constexpr const char* kNoLease = "NO_LEASE";
 inline constexpr const char* kLeaseLost = "LEASE_LOST";
 inline constexpr const char* kControlHeld = "CONTROL_HELD";
@@ -37,6 +38,7 @@ inline constexpr const char* kLoopSilent = "LOOP_SILENT";
 inline constexpr const char* kUnknownAxis = "UNKNOWN_AXIS";
 inline constexpr const char* kAmbiguousAxis = "AMBIGUOUS_AXIS";
 inline constexpr const char* kTooManyStreams = "TOO_MANY_STREAMS";
+inline constexpr const char* kTooManyComputations = "TOO_MANY_COMPUTATIONS";
 inline constexpr const char* kShuttingDown = "SHUTTING_DOWN";
 
 /// A request that was not granted; nothing has changed unless the message says so.
@@ -48,7 +50,7 @@ struct Refusal {
   std::string message;
   /// The figures of the message, for a program.
   std::map<std::string, std::string> metadata{};
-  /// With UNSTABLE_MASS.
+  /// With UNSTABLE_MASS and NOISY_MASS.
   std::optional<StabilityReport> stability{};
 };
 

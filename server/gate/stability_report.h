@@ -38,6 +38,8 @@ struct MassRange {
 /// Why a mass is admitted or not.
 struct StabilityReport {
   bool admitted = false;
+  /// True for a mass inside the admitted interval that is refused all the same, for its force noise.
+  bool noisy = false;
   double requested_mass = 0;
   MassRange range;
   model::LoopParameters loop;
@@ -46,7 +48,10 @@ struct StabilityReport {
   double gain_margin_db = 0;
   /// Frequency at which the loop oscillates at the edge on this mass's side; 0 where the M-width is empty.
   double critical_hz = 0;
-  /// What sets that edge: a sentence.
+  /// Standard deviation of the force that the encoder's counts cause; none where the mass is unstable, or
+  /// where the axis does not limit it.
+  std::optional<double> force_noise;
+  /// What sets that edge, or the noise of a noisy mass: a sentence.
   std::string binding;
   /// The mass nearest to the requested one that is admitted and within the axis's hard limits; asking for
   /// exactly this mass is granted.

@@ -52,6 +52,18 @@ TEST_F(ConfigTest, ReadsThePaperLoop) {
   EXPECT_EQ(axis.loop.delay_s, 0);
 }
 
+TEST_F(ConfigTest, ReadsTheLimitOnForceNoiseWhereThereIsOne) {
+  EXPECT_FALSE(LoadConfig(CONFIG_DIR "/paper.toml").axes[0].force_noise_limit.has_value());
+  const std::filesystem::path file = testing::TempDir() + "force_noise_limit.toml";
+  std::string text = ReadFile(CONFIG_DIR "/paper.toml");
+  const std::string commented = "# force_noise_limit = ";
+  text.replace(text.find(commented), commented.size(), "force_noise_limit = ");
+  std::ofstream(file) << text;
+  EXPECT_EQ(LoadConfig(file).axes[0].force_noise_limit, 0.05);
+  EXPECT_THAT(ErrorAfter("# force_noise_limit = 0.05", "force_noise_limit = 0"),
+              AllOf(HasSubstr("axis.gate.force_noise_limit is 0"), HasSubstr("above 0")));
+}
+
 TEST_F(ConfigTest, ReadsEveryShippedConfiguration) {
   int count = 0;
   for (const auto& entry : std::filesystem::directory_iterator(CONFIG_DIR)) {

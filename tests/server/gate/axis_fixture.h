@@ -28,6 +28,8 @@ inline AxisDescription PaperAxis() {
           .mass_max = 50,
           .force_limit = 20,
           .required_gain_margin_db = 3,
+          .position_quantum = 1e-6,
+          .force_noise_limit = {},
           .simulated = true,
           .realtime = true,
           .realtime_message = {},

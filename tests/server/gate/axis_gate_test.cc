@@ -52,6 +52,36 @@ TEST_F(AxisGateTest, LeavesTheMassAloneWhenItRefusesAnother) {
   EXPECT_EQ(loop.status().mass, 0.5);
 }
 
+TEST_F(AxisGateTest, TellsHowTrulyAndHowQuietlyAMassIsRendered) {
+  const Result<MassGrant> grant = gate.SetMass(Acquire(), {.mass = 0.21});
+  ASSERT_TRUE(grant.ok());
+  EXPECT_NEAR(grant->accuracy.ideal_mass, 0.28, 1e-15);
+  EXPECT_NEAR(grant->accuracy.error.value(), -0.100, 1e-3);
+  EXPECT_GT(grant->accuracy.force_noise.value(), 0);
+  EXPECT_EQ(grant->accuracy.unavailable_reason, "");
+  EXPECT_FALSE(grant->accuracy.simulated_error.has_value());
+}
+
+class NoisyAxisTest : public AxisFixture {
+ protected:
+  static AxisDescription NoisyAxis() {
+    AxisDescription axis = PaperAxis();
+    axis.force_noise_limit = 0.01;
+    return axis;
+  }
+  NoisyAxisTest() : AxisFixture(NoisyAxis()) {}
+};
+
+TEST_F(NoisyAxisTest, LeavesTheMassAloneWhenItRefusesANoisyOne) {
+  const std::string lease = Render(0.1);
+  const auto before = loop.settings().sequence;
+  const Result<MassGrant> refused = gate.SetMass(lease, {.mass = 1.5});
+  ExpectRefused(refused, RefusalCode::kFailedPrecondition, kNoisyMass);
+  loop.Tick();
+  EXPECT_EQ(loop.settings().sequence, before);
+  EXPECT_TRUE(gate.SetMass(lease, {.mass = refused.refusal().stability->nearest_admitted_mass}).ok());
+}
+
 TEST_F(AxisGateTest, JudgesWithoutChangingWhenAskedOnlyToValidate) {
   const std::string lease = Render(0.5);
   const auto before = loop.settings().sequence;

@@ -32,9 +32,13 @@ TEST(Figures, NeverRoundOutwards) {
   }
 }
 
-TEST(Figures, NameTheUnitOfMass) {
+TEST(Figures, NameTheUnits) {
   EXPECT_EQ(MassUnit(model::AxisKind::kLinear), "kg");
   EXPECT_EQ(MassUnit(model::AxisKind::kRotary), "kg m^2");
+  EXPECT_EQ(PositionUnit(model::AxisKind::kLinear), "m");
+  EXPECT_EQ(PositionUnit(model::AxisKind::kRotary), "rad");
+  EXPECT_EQ(ForceUnit(model::AxisKind::kLinear), "N");
+  EXPECT_EQ(ForceUnit(model::AxisKind::kRotary), "N m");
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <string>
 
 #include "server/gate/stability_gate.h"
 #include "tests/server/gate/axis_fixture.h"
@@ -49,12 +50,12 @@ TEST(CheckNumbers, IncludesTheHardLimits) {
   }
 }
 
-TEST(UnstableMass, TellsAPersonWhatWouldBeAccepted) {
+TEST(InadmissibleMass, TellsAPersonWhatWouldBeAccepted) {
   const AxisDescription axis = PaperAxis();
   const StabilityGate gate(axis.loop, 3);
   const double mass = 1.2 * gate.range().nominal.max;
   const StabilityReport report = gate.Judge(mass, {.min = -50, .max = 50}, axis.kind);
-  const Refusal refusal = UnstableMass(report, axis);
+  const Refusal refusal = InadmissibleMass(report, axis);
   EXPECT_EQ(refusal.code, RefusalCode::kFailedPrecondition);
   EXPECT_EQ(refusal.reason, kUnstableMass);
   EXPECT_THAT(refusal.message, HasSubstr("outside the admitted range of -0.0"));
@@ -67,22 +68,40 @@ TEST(UnstableMass, TellsAPersonWhatWouldBeAccepted) {
   EXPECT_TRUE(gate.Judge(typed, {.min = -50, .max = 50}, axis.kind).admitted);
 }
 
-TEST(UnstableMass, OffersNoCutOffWhereNoneHelps) {
+TEST(InadmissibleMass, OffersNoCutOffWhereNoneHelps) {
   const AxisDescription axis = PaperAxis();
   StabilityReport report = StabilityGate(axis.loop, 3).Judge(40, {.min = -50, .max = 50}, axis.kind);
   report.admitting_cutoff_hz.reset();
-  EXPECT_THAT(UnstableMass(report, axis).message, Not(HasSubstr("cut-off")));
+  EXPECT_THAT(InadmissibleMass(report, axis).message, Not(HasSubstr("cut-off")));
 }
 
-TEST(UnstableMass, SaysWhyNothingIsAdmitted) {
+TEST(InadmissibleMass, SaysWhyNothingIsAdmitted) {
   AxisDescription axis = PaperAxis();
   axis.loop.device_damping = 0;
   axis.loop.hand_damping = 0;
   const StabilityReport report = StabilityGate(axis.loop, 3).Judge(0.1, {.min = -50, .max = 50}, axis.kind);
-  const Refusal refusal = UnstableMass(report, axis);
+  const Refusal refusal = InadmissibleMass(report, axis);
   EXPECT_EQ(refusal.reason, kUnstableMass);
   EXPECT_THAT(refusal.message, HasSubstr(report.range.admitted.empty_reason));
   EXPECT_THAT(refusal.message, HasSubstr("Only a mass of 0"));
+}
+
+TEST(InadmissibleMass, TellsTheNoiseItsLimitAndAMassThatKeepsIt) {
+  AxisDescription axis = PaperAxis();
+  axis.force_noise_limit = 0.01;
+  const StabilityGate gate(axis.loop, 3, axis.NoiseLimit());
+  const StabilityReport report = gate.Judge(1.2, {.min = -50, .max = 50}, axis.kind);
+  const Refusal refusal = InadmissibleMass(report, axis);
+  EXPECT_EQ(refusal.code, RefusalCode::kFailedPrecondition);
+  EXPECT_EQ(refusal.reason, kNoisyMass);
+  EXPECT_EQ(refusal.metadata.at("force_noise_limit"), "0.01");
+  EXPECT_GT(std::stod(refusal.metadata.at("force_noise")), 0.01);
+  EXPECT_THAT(refusal.message, HasSubstr(refusal.metadata.at("force_noise") + " N on the force"));
+  EXPECT_THAT(refusal.message, HasSubstr("0.01 N are allowed"));
+  EXPECT_THAT(refusal.message, HasSubstr("cut-off at "));
+  const double typed = std::stod(refusal.metadata.at("nearest_admitted_mass"));
+  EXPECT_THAT(refusal.message, HasSubstr("Ask for " + refusal.metadata.at("nearest_admitted_mass") + " kg"));
+  EXPECT_TRUE(gate.Judge(typed, {.min = -50, .max = 50}, axis.kind).admitted);
 }
 
 }  // namespace

@@ -126,6 +126,49 @@ TEST(StabilityGate, GivesZeroAnInfiniteMargin) {
   EXPECT_EQ(report.gain_margin_db, std::numeric_limits<double>::infinity());
 }
 
+TEST(StabilityGate, RefusesAMassThatBuzzesAndNamesTheNearestThatDoesNot) {
+  const ForceNoiseLimit limit{.position_quantum = 1e-6, .max_force_noise = 0.01};
+  const StabilityGate gate(PaperLoop(), 3, limit);
+  for (const double mass : {1.5, -0.06}) {
+    const double scale = mass > 0 ? 1 : 0.01;
+    const StabilityGate strict(PaperLoop(), 3, ForceNoiseLimit{1e-6, 0.01 * scale});
+    const StabilityReport noisy = strict.Judge(mass, kWide, kLinear);
+    EXPECT_TRUE(noisy.range.admitted.Contains(mass));
+    EXPECT_TRUE(noisy.noisy);
+    EXPECT_FALSE(noisy.admitted);
+    EXPECT_GT(noisy.force_noise, 0.01 * scale);
+    EXPECT_THAT(noisy.binding, HasSubstr("are allowed"));
+    const double nearest = noisy.nearest_admitted_mass;
+    EXPECT_GT(nearest / mass, 0);
+    EXPECT_LT(nearest / mass, 1);
+    EXPECT_TRUE(strict.Judge(nearest, kWide, kLinear).admitted);
+    EXPECT_FALSE(strict.Judge(1.00001 * nearest, kWide, kLinear).admitted);
+  }
+  EXPECT_TRUE(gate.Judge(0, kWide, kLinear).admitted);
+}
+
+TEST(StabilityGate, AdvisesAnUnstableMassWithinTheNoiseLimitToo) {
+  const StabilityGate gate(PaperLoop(), 3, ForceNoiseLimit{1e-6, 0.01});
+  const StabilityReport unstable = gate.Judge(5, kWide, kLinear);
+  EXPECT_FALSE(unstable.admitted);
+  EXPECT_FALSE(unstable.noisy);
+  EXPECT_FALSE(unstable.force_noise.has_value());
+  EXPECT_LT(unstable.nearest_admitted_mass, 0.9 * gate.range().admitted.max);
+  EXPECT_TRUE(gate.Judge(unstable.nearest_admitted_mass, kWide, kLinear).admitted);
+  // A cut-off that made the mass stable would not do: it must also be quiet there.
+  ASSERT_TRUE(unstable.admitting_cutoff_hz.has_value());
+  model::LoopParameters slower = PaperLoop();
+  slower.cutoff_hz = *unstable.admitting_cutoff_hz;
+  EXPECT_TRUE(StabilityGate(slower, 3, ForceNoiseLimit{1e-6, 0.01}).Judge(5, kWide, kLinear).admitted);
+  EXPECT_LT(slower.cutoff_hz, StabilityGate(PaperLoop(), 3).Judge(5, kWide, kLinear).admitting_cutoff_hz);
+}
+
+TEST(StabilityGate, RefusesANoiseLimitThatIsNone) {
+  for (const ForceNoiseLimit limit : {ForceNoiseLimit{0, 1}, ForceNoiseLimit{1e-6, 0}}) {
+    EXPECT_THROW(StabilityGate(PaperLoop(), 3, limit), std::invalid_argument);
+  }
+}
+
 TEST(StabilityGate, RefusesParametersThatTheModelDoesNotSupport) {
   model::LoopParameters loop = PaperLoop();
   loop.period_s = 1;
