@@ -103,6 +103,10 @@ void Convert(const gate::AxisDescription& axis, v1::AxisInfo& message) {
   message.set_mass_max(axis.mass_max);
   message.set_force_limit(axis.force_limit);
   message.set_simulated(axis.simulated);
+  message.set_position_quantum(axis.position_quantum);
+  if (axis.force_noise_limit) {
+    message.set_force_noise_limit(*axis.force_noise_limit);
+  }
 }
 
 void Convert(const gate::Lease& lease, v1::ControlLease& message) {

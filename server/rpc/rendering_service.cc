@@ -6,6 +6,7 @@
 
 #include "server/gate/axis_gate.h"
 #include "server/rpc/convert.h"
+#include "server/rpc/convert_analysis.h"
 #include "server/rpc/on_axis.h"
 
 namespace mwidth::rpc {
@@ -140,6 +141,7 @@ grpc::Status RenderingService::SetMass(grpc::ServerContext*, const v1::SetMassRe
       [&](const gate::MassGrant& grant) {
         response->set_mass(grant.mass);
         Convert(grant.stability, *response->mutable_stability());
+        Convert(grant.accuracy, *response->mutable_accuracy());
         response->set_tick(grant.tick);
       });
 }

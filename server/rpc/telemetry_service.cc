@@ -8,6 +8,7 @@
 #include <grpcpp/impl/codegen/proto_utils.h>
 #include <grpcpp/support/server_callback.h>
 
+#include "server/gate/invalid_number.h"
 #include "server/gate/refusal.h"
 #include "server/rpc/sample_stream.h"
 #include "server/rpc/status.h"
@@ -30,12 +31,7 @@ std::optional<gate::Refusal> CheckRange(const std::string& field, uint32_t value
   if (value <= max) {
     return std::nullopt;
   }
-  const std::string allowed = "0 to " + std::to_string(max);
-  return gate::Refusal{
-      .code = gate::RefusalCode::kInvalidArgument,
-      .reason = gate::kInvalidNumber,
-      .message = field + " is " + std::to_string(value) + ": ask for " + allowed + ".",
-      .metadata = {{"field", field}, {"value", std::to_string(value)}, {"allowed", allowed}}};
+  return gate::InvalidNumber(field, value, "0 to " + std::to_string(max));
 }
 
 /// Opens the stream that `request` asks for, or says why not.

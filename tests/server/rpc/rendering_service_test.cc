@@ -88,6 +88,9 @@ TEST_F(RenderingServiceTest, AnswersASetMassWithItsStability) {
   ASSERT_TRUE(Call(&Rendering::SetMass, *rendering, request, response).ok());
   EXPECT_EQ(response.mass(), -0.03);
   EXPECT_GT(response.stability().gain_margin_db(), 3);
+  EXPECT_NEAR(response.accuracy().ideal_mass(), 0.04, 1e-15);
+  EXPECT_GT(response.accuracy().error(), 0);
+  EXPECT_GT(response.accuracy().force_noise(), 0);
   EXPECT_GT(response.tick(), 0U);
   request.set_validate_only(true);
   ASSERT_TRUE(Call(&Rendering::SetMass, *rendering, request, response).ok());
