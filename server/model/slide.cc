@@ -48,9 +48,8 @@ double SlidingPlant::FirstTurn(const Slide& slide) const noexcept {
   const double scale = a / (slow_rate_ * a - j);
   const double time_s =
       half_difference_ > 0 ? std::log1p(2 * half_difference_ * scale) / (2 * half_difference_) : scale;
-  // NOLINTNEXTLINE(bugprone-narrowing-conversions): the check takes infinity for a number that double cannot
-  // hold.
-  return time_s > 0 ? time_s : kNever;
+  // The check takes infinity for a number that double cannot hold.
+  return time_s > 0 ? time_s : kNever;  // NOLINT(bugprone-narrowing-conversions)
 }
 
 std::optional<double> SlidingPlant::FindStop(const Slide& slide, double time_s,
