@@ -21,7 +21,7 @@ constexpr int kMaxCallsPerConnection = 100;
 // for a port, and wrap a number that is too large.
 std::string HostOf(const std::string& address) {
   const std::size_t colon = address.rfind(':');
-  const std::string host = address.substr(0, colon == std::string::npos ? 0 : colon);
+  std::string host = address.substr(0, colon == std::string::npos ? 0 : colon);
   const std::string port = colon == std::string::npos ? "" : address.substr(colon + 1);
   const bool digits =
       !port.empty() && port.size() <= 5 && port.find_first_not_of("0123456789") == std::string::npos;
