@@ -2,7 +2,9 @@
 
 import csv
 import json
+import os
 import pathlib
+import re
 import subprocess
 import tempfile
 import unittest
@@ -10,6 +12,7 @@ import unittest
 from server_process import BUILD, ServerProcess
 
 MWIDTH = BUILD / "bin" / "mwidth"
+README = pathlib.Path(__file__).resolve().parents[2] / "client" / "cli" / "README.md"
 
 QUESTIONS = (
     ["m-width"],
@@ -110,6 +113,22 @@ class OfflineTest(unittest.TestCase):
             result = run("sweep", wrong, "--offline", "paper")
             self.assertEqual(result.returncode, 2, wrong)
             self.assertIn(wrong, result.stderr)
+
+    def test_the_examples_of_the_readme_are_true(self):
+        blocks = re.findall(r"```console\n(.*?)```", README.read_text(), re.DOTALL)
+        analyses = [line[2:] for line in blocks[0].splitlines()
+                    if re.match(r"\$ mwidth (m-width|sweep|bode|accuracy|figures) ", line)]
+        self.assertEqual(len(analyses), 5)
+        with tempfile.TemporaryDirectory() as folder, ServerProcess("--config", "paper") as server:
+            environment = dict(os.environ, MWIDTH_SERVER=server.address,
+                               PATH=f"{MWIDTH.parent}:{os.environ['PATH']}")
+            for command in analyses:
+                with self.subTest(command=command):
+                    subprocess.run(["bash", "-e", "-c", command], cwd=folder, env=environment, check=True,
+                                   capture_output=True, timeout=120)
+            self.assertLessEqual({"map.svg", "bode.csv", "bode.png", "figures"}, set(os.listdir(folder)))
+        command, output = next(block for block in blocks if "--offline" in block).split("\n", 1)
+        self.assertEqual(self.answer(*command.split()[2:]), output)
 
 
 if __name__ == "__main__":
