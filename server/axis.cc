@@ -5,6 +5,7 @@
 
 #include "device/hand_motion.h"
 #include "device/simulated_drive.h"
+#include "server/describe_axis.h"
 
 namespace mwidth::server {
 namespace {
@@ -55,21 +56,10 @@ render::LoopConfig MakeLoopConfig(const AxisConfig& config) {
 
 gate::AxisDescription Describe(const AxisConfig& config, bool simulated,
                                const render::RealtimeReport& realtime, const AxisOptions& options) {
-  gate::AxisDescription description{
-      .name = config.name,
-      .kind = config.kind,
-      .loop = config.loop,
-      .mass_min = config.limits.mass_min,
-      .mass_max = config.limits.mass_max,
-      .force_limit = config.limits.force,
-      .required_gain_margin_db = config.required_gain_margin_db,
-      .position_quantum = config.drive.position_quantum,
-      .force_noise_limit = config.force_noise_limit,
-      .simulated = simulated,
-      .realtime = realtime.realtime,
-      .realtime_message = realtime.message,
-      .rendering_blocked_reason = "",
-  };
+  gate::AxisDescription description = DescribeAxis(config);
+  description.simulated = simulated;
+  description.realtime = realtime.realtime;
+  description.realtime_message = realtime.message;
   if (!realtime.realtime && !simulated && !options.allow_non_realtime) {
     description.rendering_blocked_reason = "the loop has no real-time scheduling (" + realtime.message +
                                            "); change that, or start mwidthd with --allow-non-realtime to "

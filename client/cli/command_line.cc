@@ -14,47 +14,10 @@ constexpr char kExitCodes[] = R"(Exit codes:
 Examples:
   mwidth state
   mwidth m-width --hand-stiffness 0 --hand-damping 0
+  mwidth bode 0.1 --offline paper --plot bode.svg
   mwidth set-mass -0.05 --hold 10
   mwidth --server robot:50051 stream --csv reach.csv --seconds 5
   mwidth stop)";
-
-CLI::App* Subcommand(CLI::App& app, const std::string& name, const std::string& description,
-                     const std::string& examples) {
-  auto* command = app.add_subcommand(name, description);
-  command->footer("Examples:\n" + examples);
-  return command;
-}
-
-void DefineMWidth(CLI::App& app, CommandLine& line) {
-  auto* command = Subcommand(app, "m-width",
-                             "Show which virtual masses are stable, for the axis's loop or for one like it",
-                             "  mwidth m-width\n"
-                             "  mwidth m-width --rate-hz 500 --cutoff-hz 30\n"
-                             "  mwidth --json m-width --hand-stiffness 0");
-  using Setter = void (v1::LoopParameters::*)(double);
-  const auto add = [&](const std::string& name, Setter set, const std::string& description) {
-    return command
-        ->add_option_function<double>(
-            name, [&line, set](double value) { (line.overrides.*set)(value); }, description)
-        ->group("Instead of the axis's own");
-  };
-  add("--device-mass", &v1::LoopParameters::set_device_mass, "Inertia of the device, kg or kg m²");
-  add("--device-damping", &v1::LoopParameters::set_device_damping, "Its damping, N s/m or N m s/rad");
-  add("--hand-mass", &v1::LoopParameters::set_hand_mass, "Inertia of the hand, rigidly added, kg or kg m²");
-  add("--hand-damping", &v1::LoopParameters::set_hand_damping, "Damping of its hold, N s/m or N m s/rad");
-  add("--hand-stiffness", &v1::LoopParameters::set_hand_stiffness,
-      "Stiffness of its hold, N/m or N m/rad; 0: released");
-  auto* period = add("--period-s", &v1::LoopParameters::set_period_s, "Sample period, s");
-  command
-      ->add_option_function<double>(
-          "--rate-hz", [&line](double rate_hz) { line.overrides.set_period_s(1 / rate_hz); },
-          "Sample rate, Hz")
-      ->check(CLI::PositiveNumber)
-      ->excludes(period)
-      ->group("Instead of the axis's own");
-  add("--cutoff-hz", &v1::LoopParameters::set_cutoff_hz, "Cut-off of the acceleration filter, Hz");
-  add("--delay-s", &v1::LoopParameters::set_delay_s, "Loop delay beyond the zero-order hold, s");
-}
 
 void DefineSetMass(CLI::App& app, CommandLine& line) {
   auto* command =
@@ -112,6 +75,13 @@ void DefineFigures(CLI::App& app, CommandLine& line) {
 
 }  // namespace
 
+CLI::App* Subcommand(CLI::App& app, const std::string& name, const std::string& description,
+                     const std::string& examples) {
+  auto* command = app.add_subcommand(name, description);
+  command->footer("Examples:\n" + examples);
+  return command;
+}
+
 void Define(CLI::App& app, CommandLine& line) {
   app.name("mwidth");
   app.description("Command line of mwidthd, the server that renders virtual mass.");
@@ -128,7 +98,7 @@ void Define(CLI::App& app, CommandLine& line) {
   app.set_version_flag("--version", "mwidth " MWIDTH_VERSION);
 
   Subcommand(app, "state", "Show the axes and what they are doing", "  mwidth state\n  mwidth --json state");
-  DefineMWidth(app, line);
+  DefineAnalyses(app, line);
   DefineSetMass(app, line);
   auto* stop =
       Subcommand(app, "stop",

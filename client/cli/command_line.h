@@ -16,11 +16,24 @@ struct CommandLine {
   std::string axis;
   bool json = false;
 
-  // m-width
+  // m-width, sweep, bode, accuracy
   v1::LoopParameters overrides;
+  std::string offline;
+  std::optional<std::string> plot;
+
+  // sweep
+  v1::SweepMWidthRequest sweep;
+
+  // bode
+  v1::GetFrequencyResponseRequest bode;
+
+  // accuracy
+  v1::GetAccuracyRequest accuracy;
+
+  // set-mass, bode, accuracy
+  double mass = 0;
 
   // set-mass
-  double mass = 0;
   std::optional<double> hold_s;
   std::optional<double> ramp_s;
   bool validate_only = false;
@@ -28,8 +41,10 @@ struct CommandLine {
   // stop
   std::string reason = "mwidth stop";
 
-  // stream
+  // stream, m-width, sweep, bode, accuracy
   std::optional<std::string> csv;
+
+  // stream
   std::optional<uint64_t> samples;
   std::optional<double> seconds;
   std::optional<uint32_t> decimation;
@@ -38,6 +53,13 @@ struct CommandLine {
   std::string out;
   bool png = false;
 };
+
+/// Adds a subcommand with its description and its examples as a footer.
+CLI::App* Subcommand(CLI::App& app, const std::string& name, const std::string& description,
+                     const std::string& examples);
+
+/// Adds m-width, sweep, bode and accuracy (analysis_options.cc).
+void DefineAnalyses(CLI::App& app, CommandLine& line);
 
 /// Adds all options and subcommands to `app`; parsing fills `line`, which must outlive it.
 void Define(CLI::App& app, CommandLine& line);

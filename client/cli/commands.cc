@@ -14,13 +14,6 @@ int RunState(const CommandLine& line) {
   return kDone;
 }
 
-int RunMWidth(const CommandLine& line) {
-  const auto client = client::Client::Connect(line.server);
-  const auto response = client.MWidth(line.axis, line.overrides);
-  std::cout << (line.json ? ToJson(response) : MWidthReport(response, client.Axis(line.axis).info()));
-  return kDone;
-}
-
 int RunStop(const CommandLine& line) {
   const auto client = client::Client::Connect(line.server);
   // First the stop, then everything that is only for people.

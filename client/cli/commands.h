@@ -12,6 +12,9 @@ enum ExitCode : int { kDone = 0, kRefused = 1, kUsage = 2, kFailed = 3 };
 
 int RunState(const CommandLine& line);
 int RunMWidth(const CommandLine& line);
+int RunSweep(const CommandLine& line);
+int RunBode(const CommandLine& line);
+int RunAccuracy(const CommandLine& line);
 int RunSetMass(const CommandLine& line);
 int RunStop(const CommandLine& line);
 int RunClearFault(const CommandLine& line);

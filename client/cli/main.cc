@@ -16,7 +16,8 @@ namespace {
 
 int Run(const std::string& command, const CommandLine& line) {
   static const std::map<std::string, std::function<int(const CommandLine&)>> kCommands = {
-      {"state", RunState},    {"m-width", RunMWidth},         {"set-mass", RunSetMass},
+      {"state", RunState},    {"m-width", RunMWidth},         {"sweep", RunSweep},
+      {"bode", RunBode},      {"accuracy", RunAccuracy},      {"set-mass", RunSetMass},
       {"stop", RunStop},      {"clear-fault", RunClearFault}, {"stream", RunStream},
       {"figures", RunFigures}};
   try {

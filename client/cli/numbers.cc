@@ -11,7 +11,7 @@ std::string Format(double value, std::chars_format format, int precision) {
   // Enough for a sign, 17 digits, a point and an exponent; to_chars cannot fail then.
   std::array<char, 40> text{};
   const char* const end = std::to_chars(text.data(), text.data() + text.size(), value, format, precision).ptr;
-  return {text.data(), end};
+  return {text.data(), static_cast<size_t>(end - text.data())};
 }
 
 }  // namespace

@@ -73,6 +73,40 @@ v1::GetMWidthResponse Client::MWidth(const std::string& axis, const v1::LoopPara
   return Call(*stability_, &v1::StabilityService::StubInterface::GetMWidth, request, call_timeout_);
 }
 
+v1::GetFrequencyResponseResponse Client::FrequencyResponse(
+    const v1::GetFrequencyResponseRequest& request) const {
+  return Call(*stability_, &v1::StabilityService::StubInterface::GetFrequencyResponse, request,
+              call_timeout_);
+}
+
+v1::GetAccuracyResponse Client::Accuracy(const v1::GetAccuracyRequest& request) const {
+  return Call(*stability_, &v1::StabilityService::StubInterface::GetAccuracy, request,
+              request.simulate() ? kAnalysisTimeout : call_timeout_);
+}
+
+bool Client::SweepMWidth(const v1::SweepMWidthRequest& request,
+                         const std::function<bool(const v1::SweepMWidthResponse&)>& take) const {
+  grpc::ClientContext context;
+  SetTimeout(context, kAnalysisTimeout);
+  const auto reader = stability_->SweepMWidth(&context, request);
+  bool wanted = true;
+  v1::SweepMWidthResponse row;
+  while (wanted && reader->Read(&row)) {
+    wanted = take(row);
+  }
+  if (!wanted) {
+    context.TryCancel();
+  }
+  // Finish answers only once everything is read.
+  while (reader->Read(&row)) {
+  }
+  const auto status = reader->Finish();
+  if (wanted && !status.ok()) {
+    throw Error(status);
+  }
+  return wanted;
+}
+
 std::vector<v1::State> Client::EmergencyStop(const std::string& reason, const std::string& axis) const {
   v1::EmergencyStopRequest request;
   request.set_axis(axis);

@@ -7,6 +7,7 @@
 #include <mwidth/v1/telemetry.grpc.pb.h>
 
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -20,6 +21,8 @@ namespace mwidth::client {
 
 /// Default bound on every call and on the connection attempt.
 inline constexpr Seconds kCallTimeout{5};
+/// Bound on what the server computes for longer: sweeps and simulations.
+inline constexpr Seconds kAnalysisTimeout{300};
 
 /// Everything that a client may ask of one server. An empty `axis` means the only one, as in the API.
 ///
@@ -40,6 +43,14 @@ class Client {
   v1::AxisState Axis(const std::string& axis = "") const;
   /// The M-width of the axis's loop, with the fields that are set in `overrides` in place of its own.
   v1::GetMWidthResponse MWidth(const std::string& axis = "", const v1::LoopParameters& overrides = {}) const;
+  /// What the loop does to a sinusoid, and what the hand feels of the device over frequency.
+  v1::GetFrequencyResponseResponse FrequencyResponse(const v1::GetFrequencyResponseRequest& request) const;
+  /// How truly and how quietly a mass is rendered; with `request.simulate` up to kAnalysisTimeout.
+  v1::GetAccuracyResponse Accuracy(const v1::GetAccuracyRequest& request) const;
+  /// Hands row after row of the grid to `take`, in order, from the calling thread; false ends the sweep.
+  /// Returns whether all rows were taken. Blocks for kAnalysisTimeout at most.
+  bool SweepMWidth(const v1::SweepMWidthRequest& request,
+                   const std::function<bool(const v1::SweepMWidthResponse&)>& take) const;
   /// Zero force on the next tick, fault latched. For anyone, at any time, without a lease. An empty `axis`
   /// means every one; the states after the stop are returned.
   std::vector<v1::State> EmergencyStop(const std::string& reason, const std::string& axis = "") const;

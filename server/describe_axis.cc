@@ -1,0 +1,19 @@
+#include "server/describe_axis.h"
+
+namespace mwidth::server {
+
+gate::AxisDescription DescribeAxis(const AxisConfig& config) {
+  gate::AxisDescription description;
+  description.name = config.name;
+  description.kind = config.kind;
+  description.loop = config.loop;
+  description.mass_min = config.limits.mass_min;
+  description.mass_max = config.limits.mass_max;
+  description.force_limit = config.limits.force;
+  description.required_gain_margin_db = config.required_gain_margin_db;
+  description.position_quantum = config.drive.position_quantum;
+  description.force_noise_limit = config.force_noise_limit;
+  return description;
+}
+
+}  // namespace mwidth::server
