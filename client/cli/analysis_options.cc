@@ -6,7 +6,7 @@ namespace mwidth::cli {
 namespace {
 
 void AddLoopOptions(CLI::App* command, CommandLine& line) {
-  constexpr char kGroup[] = "Instead of the axis's own";
+  constexpr const char* kGroup = "Instead of the axis's own";
   using Setter = void (v1::LoopParameters::*)(double);
   const auto add = [&](const std::string& name, Setter set, const std::string& description) {
     return command

@@ -5,7 +5,7 @@
 namespace mwidth::cli {
 namespace {
 
-constexpr char kExitCodes[] = R"(Exit codes:
+constexpr const char* kExitCodes = R"(Exit codes:
   0  done
   1  the server said no: an unstable mass, control held by another client, a wrong state, a fault while holding
   2  the command line is wrong

@@ -1,6 +1,8 @@
 // mwidth: the command line of mwidthd.
 #include <algorithm>
 #include <csignal>
+#include <cstdio>
+#include <exception>
 #include <functional>
 #include <iostream>
 #include <map>
@@ -15,13 +17,13 @@ namespace mwidth::cli {
 namespace {
 
 int Run(const std::string& command, const CommandLine& line) {
-  static const std::map<std::string, std::function<int(const CommandLine&)>> kCommands = {
+  static const std::map<std::string, std::function<int(const CommandLine&)>> commands = {
       {"state", RunState},    {"m-width", RunMWidth},         {"sweep", RunSweep},
       {"bode", RunBode},      {"accuracy", RunAccuracy},      {"set-mass", RunSetMass},
       {"stop", RunStop},      {"clear-fault", RunClearFault}, {"stream", RunStream},
       {"figures", RunFigures}};
   try {
-    return kCommands.at(command)(line);
+    return commands.at(command)(line);
   } catch (const client::Error& error) {
     if (line.json) {
       std::cout << ToJson(error.status());
@@ -46,19 +48,29 @@ std::vector<std::string> Arguments(int argc, char** argv) {
   return arguments;
 }
 
+// The whole program, but for what escapes it.
+int Main(int argc, char** argv) {
+  CommandLine line;
+  CLI::App app;
+  Define(app, line);
+  try {
+    app.parse(Arguments(argc, argv));
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kDone : kUsage;
+  }
+  return Run(app.get_subcommands().front()->get_name(), line);
+}
+
 }  // namespace
 }  // namespace mwidth::cli
 
 int main(int argc, char** argv) {
   // A closed pipe is seen where it is written to, not as a death without releasing control.
-  std::signal(SIGPIPE, SIG_IGN);  // NOLINT(cert-err33-c): cannot fail for SIGPIPE
-  mwidth::cli::CommandLine line;
-  CLI::App app;
-  mwidth::cli::Define(app, line);
+  std::signal(SIGPIPE, SIG_IGN);
   try {
-    app.parse(mwidth::cli::Arguments(argc, argv));
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? mwidth::cli::kDone : mwidth::cli::kUsage;
+    return mwidth::cli::Main(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "mwidth: %s\n", error.what());
+    return mwidth::cli::kFailed;
   }
-  return mwidth::cli::Run(app.get_subcommands().front()->get_name(), line);
 }

@@ -46,6 +46,7 @@ inline std::string MassName(double ratio) { return "M/m = " + cli::Rounded(ratio
 /// `count` values at equal ratios, ends included.
 inline std::vector<double> EqualRatios(double first, double last, int count) {
   std::vector<double> values;
+  values.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) {
     values.push_back(first * std::pow(last / first, static_cast<double>(i) / (count - 1)));
   }
