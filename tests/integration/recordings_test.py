@@ -17,7 +17,7 @@ from server_process import ServerProcess, rendering, seconds
 
 from mwidth.v1 import telemetry_pb2 as telemetry
 
-SPEED = 80
+SPEED = 40
 RATE_HZ = 1000
 RENEW_EVERY_S = 0.1
 RETURN_S = 1
@@ -86,6 +86,8 @@ class RecordingsTest(unittest.TestCase):
             if seen * 3 >= ticks * (3 - len(masses)) and masses:
                 server.set_mass(lease, masses.pop(0), ramp=seconds(0.5))
             batch = response.batch
+            if expected is None and set(batch.state) != {rendering.STATE_RENDERING}:
+                continue  # drained from before the start
             gap = 0 if expected is None else batch.first_tick - expected
             self.assertEqual(gap, 0, "a simulated axis misses no tick, and this reader keeps up")
             self.assertEqual(set(batch.state), {rendering.STATE_RENDERING})
