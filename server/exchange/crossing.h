@@ -1,10 +1,11 @@
-// What crosses between the loop and the rest of the server: settings in, status and samples out.
+// What crosses between the loop and the rest of the server: settings in; status, samples and statistics out.
 #pragma once
 
 #include <cstdint>
 
 #include "server/exchange/mailbox.h"
 #include "server/exchange/ring.h"
+#include "server/exchange/tick_statistics.h"
 
 namespace mwidth::exchange {
 
@@ -97,6 +98,7 @@ struct Crossing {
   Mailbox<Settings> settings;
   Mailbox<LoopStatus> status;
   Ring<Sample, kSampleRingCapacity> samples;
+  TickStatistics tick_statistics;
 };
 
 }  // namespace mwidth::exchange

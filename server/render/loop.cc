@@ -40,7 +40,11 @@ const LoopConfig& Checked(const LoopConfig& c, const device::DriveInfo& info) {
 
 Loop::Loop(device::Drive& drive, exchange::Crossing& crossing, exchange::Clock& clock,
            const LoopConfig& config)
-    : clock_(clock), config_(Checked(config, drive.Info())), tick_(config_, drive, crossing) {}
+    : clock_(clock),
+      statistics_(crossing.tick_statistics),
+      config_(Checked(config, drive.Info())),
+      drive_(drive, clock),
+      tick_(config_, drive_, crossing) {}
 
 Loop::~Loop() { Stop(); }
 
@@ -70,10 +74,12 @@ void Loop::Run() noexcept {
     deadline_ns += period_ns;
     clock_.SleepUntilNs(deadline_ns);
     const int64_t now_ns = clock_.NowNs();
-    const int64_t missed = std::max<int64_t>(0, (now_ns - deadline_ns) / period_ns);
+    const int64_t wake_latency_ns = now_ns - deadline_ns;
+    const int64_t missed = std::max<int64_t>(0, wake_latency_ns / period_ns);
     deadline_ns += missed * period_ns;
     tick += static_cast<uint64_t>(missed);
     tick_.Run(tick, now_ns, static_cast<uint64_t>(missed));
+    RecordTimes(now_ns, wake_latency_ns, static_cast<uint64_t>(missed));
     if (stopping_.load(std::memory_order_relaxed)) {
       tick_.BeginStop();
       if (tick_.AtRest()) {
@@ -82,6 +88,15 @@ void Loop::Run() noexcept {
     }
   }
   tick_.Close();
+}
+
+void Loop::RecordTimes(int64_t now_ns, int64_t wake_latency_ns, uint64_t missed_ticks) noexcept {
+  const DriveTimes drive = drive_.TakeTimes();
+  statistics_.Record({.wake_latency_ns = wake_latency_ns,
+                      .io_ns = drive.io_ns,
+                      .compute_ns = clock_.NowNs() - now_ns - drive.io_ns,
+                      .loop_delay_ns = drive.loop_delay_ns,
+                      .missed_ticks = missed_ticks});
 }
 
 }  // namespace mwidth::render

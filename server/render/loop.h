@@ -11,6 +11,7 @@
 #include "server/render/loop_config.h"
 #include "server/render/realtime.h"
 #include "server/render/tick.h"
+#include "server/render/timed_drive.h"
 
 namespace mwidth::render {
 
@@ -37,8 +38,13 @@ class Loop {
  private:
   void Run() noexcept;
 
+  /// Records what the tick took that woke up at `now_ns`, `wake_latency_ns` after its deadline.
+  void RecordTimes(int64_t now_ns, int64_t wake_latency_ns, uint64_t missed_ticks) noexcept;
+
   exchange::Clock& clock_;
+  exchange::TickStatistics& statistics_;
   const LoopConfig config_;
+  TimedDrive drive_;
   Tick tick_;
   RealtimeReport report_;
   std::atomic<bool> reported_{false};

@@ -116,6 +116,31 @@ TEST_F(LoopTest, SkipsAndCountsMissedDeadlinesAndNeverReplaysThem) {
   EXPECT_EQ(Next(kPeriodNs).tick, 9);
 }
 
+TEST_F(LoopTest, TellsHowLateItWokeUpAndHowOftenTooLate) {
+  Start();
+  Next(200);
+  Next(300);
+  Next(3 * kPeriodNs + 5);
+  Next(kPeriodNs - 1);
+  const exchange::DurationFigures lag = crossing->tick_statistics.wake_latency().Figures();
+  EXPECT_EQ(lag.count, 4);
+  EXPECT_EQ(lag.min_ns, 200);
+  EXPECT_EQ(lag.max_ns, 3 * kPeriodNs + 5);
+  EXPECT_EQ(crossing->tick_statistics.overruns(), 1);
+}
+
+TEST_F(LoopTest, TellsTheDelayOnlyWhereAForceWasWritten) {
+  Start();
+  Next();
+  EXPECT_EQ(crossing->tick_statistics.io().Figures().count, 1);
+  EXPECT_EQ(crossing->tick_statistics.loop_delay().Figures().count, 0) << "the drive is not enabled";
+  exchange::Settings settings{.sequence = 1, .rendering = true, .render_epoch = 1};
+  settings.lease_deadline_ns = INT64_MAX;
+  crossing->settings.Post(settings);
+  Next();
+  EXPECT_EQ(crossing->tick_statistics.loop_delay().Figures().count, 1);
+}
+
 TEST_F(LoopTest, RampsDownAndDisablesTheDriveWhenItStops) {
   Start();
   crossing->settings.Post({.sequence = 1,
