@@ -43,6 +43,7 @@ std::unique_ptr<device::Drive> MakeDrive(const AxisConfig& config) {
 render::LoopConfig MakeLoopConfig(const AxisConfig& config) {
   render::LoopConfig loop;
   loop.period_s = config.loop.period_s;
+  loop.estimator = config.loop.estimator;
   loop.cutoff_hz = config.loop.cutoff_hz;
   loop.force_limit = config.limits.force;
   loop.position_min = config.limits.position_min;

@@ -17,11 +17,28 @@ constexpr int kDefaultMaxStreams = 64;
 constexpr int kDefaultStreamQueueSamples = 20'000;
 constexpr double kLargest = 1e6;
 
+model::EstimatorKind ReadEstimator(ConfigTable& timing) {
+  const std::string name =
+      timing.StringOr("estimator", model::Name(model::EstimatorKind::kFilteredDifference));
+  const auto kind = model::EstimatorNamed(name);
+  if (!kind) {
+    std::string names;
+    for (const model::EstimatorKind known : model::kEstimatorKinds) {
+      names += (names.empty() ? "\"" : ", \"") + std::string(model::Name(known)) + "\"";
+    }
+    timing.Refuse("estimator", "is \"" + name + "\"; allowed are " + names);
+  }
+  return *kind;
+}
+
 model::LoopParameters ReadLoop(ConfigTable& axis) {
   model::LoopParameters loop;
   ConfigTable timing = axis.Table("loop");
   loop.period_s = timing.Number("period_s", {1e-4, 1e-2});
-  loop.cutoff_hz = timing.Number("cutoff_hz", {0, 0.5 / loop.period_s, true});
+  loop.estimator = ReadEstimator(timing);
+  const model::CutoffRange cutoffs = model::CutoffRangeOf(loop.estimator);
+  loop.cutoff_hz = timing.Number(
+      "cutoff_hz", {cutoffs.min / loop.period_s, cutoffs.max / loop.period_s, cutoffs.min == 0});
   loop.delay_s = timing.NumberOr("delay_s", {0, 3 * loop.period_s}, 0);
   timing.Finish();
 

@@ -22,6 +22,16 @@ enum class Fault : uint8_t {
   kDriveRefused,
 };
 
+/// Which estimator of acceleration a loop runs.
+struct Filter {
+  /// A model::EstimatorKind, as a number: this folder knows no model.
+  uint8_t estimator = 0;
+  /// Its cut-off; 0 where none was asked for, which leaves the loop its configured filter.
+  double cutoff_hz = 0;
+
+  bool operator==(const Filter&) const = default;
+};
+
 /// What the gate wants of the loop. Posted whole; the newest wins, so anything that must not be missed is a
 /// counter or a number that only grows, never an edge.
 struct Settings {
@@ -34,6 +44,9 @@ struct Settings {
   /// Admitted virtual mass, and the time of the ramp to it.
   double mass = 0;
   double ramp_s = 0.2;
+  /// What `mass` is admitted for. A loop that runs another filter renders no mass but on the way to zero,
+  /// changes, and only then goes to `mass`.
+  Filter filter{};
   /// Dead man: past this time of the axis's clock the loop ramps the mass to zero and goes to READY.
   int64_t lease_deadline_ns = 0;
   /// Grows with every emergency stop.
@@ -68,6 +81,8 @@ struct LoopStatus {
   double force = 0;
   double mass = 0;
   double target_mass = 0;
+  /// What estimates the next acceleration.
+  Filter filter{};
   uint64_t missed_ticks = 0;
 };
 
@@ -88,6 +103,8 @@ struct Sample {
   double acceleration = 0;
   double force = 0;
   double mass = 0;
+  /// What estimated the acceleration.
+  Filter filter{};
 };
 
 /// About 4 s of samples at 1 kHz: what the record may lag behind before samples are dropped, and counted.

@@ -14,7 +14,7 @@ namespace mwidth::gate {
 struct AxisDescription {
   std::string name;
   model::AxisKind kind = model::AxisKind::kLinear;
-  /// The loop that runs; model::Validate accepts it.
+  /// The loop as configured, its filter until SetFilter; model::Validate accepts it.
   model::LoopParameters loop;
   /// Bounds on any virtual mass, edges included, whatever the stability model says; they hold 0 between them.
   double mass_min = 0;

@@ -26,18 +26,22 @@ AxisDescription Checked(AxisDescription axis) {
 
 bool NotRendering(const LoopStatus& status) { return status.state != State::kRendering; }
 
-bool Acknowledged(const LoopStatus&) { return true; }
-
 }  // namespace
 
 AxisGate::AxisGate(AxisDescription description, exchange::Crossing& crossing, const exchange::Clock& clock,
                    WaitForLoop wait)
     : description_(Checked(std::move(description))),
-      stability_(description_.loop, description_.required_gain_margin_db, description_.NoiseLimit()),
       crossing_(crossing),
       clock_(clock),
       wait_(std::move(wait)),
-      loop_(crossing) {}
+      stability_(std::make_shared<const StabilityGate>(
+          description_.loop, description_.required_gain_margin_db, description_.NoiseLimit())),
+      loop_(crossing, FilterOf(description_.loop)) {}
+
+std::shared_ptr<const StabilityGate> AxisGate::stability() {
+  const std::lock_guard lock(mutex_);
+  return stability_;
+}
 
 Result<Lease> AxisGate::AcquireControl(const std::string& client_name, double ttl_s) {
   std::string id = RandomLeaseId();
@@ -138,56 +142,6 @@ std::optional<Refusal> AxisGate::CheckLease(const std::string& lease_id) {
   return lease_.Check(lease_id, clock_.NowNs());
 }
 
-Result<Posted> AxisGate::PostMass(const std::string& lease_id, const MassRequest& request) {
-  const std::lock_guard lock(mutex_);
-  // Once more: the lease may have expired while stability was computed.
-  if (std::optional<Refusal> refusal = lease_.Check(lease_id, clock_.NowNs())) {
-    return *std::move(refusal);
-  }
-  const LoopStatus& status = loop_.NewestStatus();
-  if (status.state == State::kFault) {
-    return InFault(status);
-  }
-  if (loop_.StopPending()) {
-    return StillStopping(status);
-  }
-  return request.validate_only ? Posted{} : loop_.SetMass(request.mass, request.ramp_s);
-}
-
-Result<MassGrant> AxisGate::SetMass(const std::string& lease_id, const MassRequest& request) {
-  if (std::optional<Refusal> refusal = CheckLease(lease_id)) {
-    return *std::move(refusal);
-  }
-  if (std::optional<Refusal> refusal = CheckNumbers(request, description_)) {
-    return *std::move(refusal);
-  }
-  StabilityReport report = stability_.Judge(
-      request.mass, {.min = description_.mass_min, .max = description_.mass_max}, description_.kind);
-  if (!report.admitted) {
-    return InadmissibleMass(report, description_);
-  }
-  const Result<Posted> posted = PostMass(lease_id, request);
-  if (!posted.ok()) {
-    return posted.refusal();
-  }
-  MassGrant grant{.mass = request.mass,
-                  .stability = std::move(report),
-                  .accuracy = PredictAccuracy(description_.loop, request.mass, kDefaultBand,
-                                              description_.position_quantum),
-                  .tick = 0};
-  if (!request.validate_only) {
-    const Result<LoopStatus> answer = Await(*posted, Acknowledged);
-    if (!answer.ok()) {
-      return answer.refusal();
-    }
-    if (answer->state == State::kFault) {
-      return InFault(*answer);
-    }
-    grant.tick = answer->tick;
-  }
-  return grant;
-}
-
 Result<Posted> AxisGate::PostClearFault(const std::string& lease_id) {
   const std::lock_guard lock(mutex_);
   if (std::optional<Refusal> refusal = lease_.Check(lease_id, clock_.NowNs())) {
@@ -220,11 +174,18 @@ Posted AxisGate::PostEmergencyStop() {
   return loop_.EmergencyStop();
 }
 
-Result<LoopStatus> AxisGate::AwaitEmergencyStop(const Posted& posted) { return Await(posted, Acknowledged); }
+Result<LoopStatus> AxisGate::AwaitEmergencyStop(const Posted& posted) {
+  return Await(posted, [](const LoopStatus&) { return true; });
+}
 
 LoopStatus AxisGate::Status() {
   const std::lock_guard lock(mutex_);
   return loop_.NewestStatus();
+}
+
+double AxisGate::KeptMass() {
+  const std::lock_guard lock(mutex_);
+  return loop_.KeptMass();
 }
 
 std::string AxisGate::Controller() {

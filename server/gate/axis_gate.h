@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -11,6 +12,7 @@
 #include "server/exchange/crossing.h"
 #include "server/gate/axis_description.h"
 #include "server/gate/control_lease.h"
+#include "server/gate/filter_request.h"
 #include "server/gate/loop_settings.h"
 #include "server/gate/mass_request.h"
 #include "server/gate/refusal.h"
@@ -33,7 +35,8 @@ class AxisGate {
            WaitForLoop wait = WaitUpToOneSecond);
 
   const AxisDescription& description() const { return description_; }
-  const StabilityGate& stability() const { return stability_; }
+  /// Of the filter that is set; not null.
+  std::shared_ptr<const StabilityGate> stability();
 
   /// Takes the lease; whatever an earlier holder left behind ends. Does not wait for the loop.
   Result<Lease> AcquireControl(const std::string& client_name, double ttl_s);
@@ -52,6 +55,11 @@ class AxisGate {
   /// Checks in this order: lease, numbers, hard limits, stability, state. Rendered at once in RENDERING, kept
   /// for StartRendering in IDLE and READY, WRONG_STATE in FAULT and while a stop ramps down.
   Result<MassGrant> SetMass(const std::string& lease_id, const MassRequest& request);
+  /// Checks in this order: lease, numbers, stability of the mass that is set with the new filter, state. At
+  /// once in IDLE and READY; in RENDERING the loop takes the mass to zero, changes, and takes it back (0.2 s
+  /// each way), and the answer waits for the change. WRONG_STATE in FAULT and while a stop ramps down. The
+  /// filter stays until another is set, whoever has control.
+  Result<FilterGrant> SetFilter(const std::string& lease_id, const FilterRequest& request);
   /// From FAULT to IDLE: clears the fault that is latched now, no later one. WRONG_STATE outside FAULT.
   Result<exchange::LoopStatus> ClearFault(const std::string& lease_id);
 
@@ -72,19 +80,27 @@ class AxisGate {
 
   std::optional<Refusal> CheckLease(const std::string& lease_id);
   Result<Posted> PostStart(const std::string& lease_id);
-  Result<Posted> PostMass(const std::string& lease_id, const MassRequest& request);
+  /// Both answer none where what `judged` was asked about is no longer what is set: judge again.
+  std::optional<Result<Posted>> PostMass(const std::string& lease_id, const MassRequest& request,
+                                         const std::shared_ptr<const StabilityGate>& judged);
+  std::optional<Result<Posted>> PostFilter(const std::string& lease_id, const FilterRequest& request,
+                                           const std::shared_ptr<const StabilityGate>& judged,
+                                           double judged_mass);
+  /// Why a setting may not change in this state. Holds mutex_.
+  std::optional<Refusal> CheckMaySet();
+  double KeptMass();
   Result<Posted> PostClearFault(const std::string& lease_id);
   // Waits until the loop has acknowledged and is `done`. Answers the newest status if it has acknowledged at
   // all.
   Result<exchange::LoopStatus> Await(const Posted& posted, const Predicate& done);
 
   const AxisDescription description_;
-  const StabilityGate stability_;
   exchange::Crossing& crossing_;
   const exchange::Clock& clock_;
   const WaitForLoop wait_;
 
   std::mutex mutex_;
+  std::shared_ptr<const StabilityGate> stability_;
   ControlLease lease_;
   LoopSettings loop_;
 };

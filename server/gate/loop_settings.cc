@@ -22,9 +22,18 @@ Posted LoopSettings::SetMass(double mass, double ramp_s) {
   return Post();
 }
 
+Posted LoopSettings::SetFilter(const exchange::Filter& filter) {
+  if (MassIsVoid()) {
+    ForgetMass();
+  }
+  settings_.filter = filter;
+  return Post();
+}
+
+double LoopSettings::KeptMass() { return MassIsVoid() ? 0 : settings_.mass; }
+
 Posted LoopSettings::Start() {
-  const exchange::LoopStatus& status = NewestStatus();
-  if (status.renderings_ended != renderings_ended_at_mass_ || status.fault.number != fault_number_at_mass_) {
+  if (MassIsVoid()) {
     ForgetMass();
   }
   settings_.rendering = true;
@@ -54,6 +63,11 @@ bool LoopSettings::StartPending() {
 
 bool LoopSettings::StopPending() {
   return !settings_.rendering && NewestStatus().state == exchange::State::kRendering;
+}
+
+bool LoopSettings::MassIsVoid() {
+  const exchange::LoopStatus& status = NewestStatus();
+  return status.renderings_ended != renderings_ended_at_mass_ || status.fault.number != fault_number_at_mass_;
 }
 
 void LoopSettings::ForgetMass() {

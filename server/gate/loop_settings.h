@@ -19,7 +19,10 @@ struct Posted {
 /// and posts it all. Not thread-safe; nothing waits.
 class LoopSettings {
  public:
-  explicit LoopSettings(exchange::Crossing& crossing) : crossing_(crossing) {}
+  /// `filter` is what the loop is configured with.
+  LoopSettings(exchange::Crossing& crossing, const exchange::Filter& filter) : crossing_(crossing) {
+    settings_.filter = filter;
+  }
 
   /// What the loop last did; all zero and IDLE before its first tick.
   const exchange::LoopStatus& NewestStatus();
@@ -28,6 +31,11 @@ class LoopSettings {
   Posted SetDeadline(int64_t lease_deadline_ns);
   /// Renders `mass` from now on, or keeps it for Start.
   Posted SetMass(double mass, double ramp_s);
+  /// Estimates the acceleration with `filter` from now on. A rendered mass goes to zero before the loop
+  /// changes, and comes back afterwards; a kept mass that is void is forgotten.
+  Posted SetFilter(const exchange::Filter& filter);
+  /// The mass that SetMass rendered or kept; 0 where there is none, or it is void.
+  double KeptMass();
   /// Begins to render the mass that SetMass kept. A kept mass is void, and 0 in its place, once a rendering
   /// has ended or a fault has come since: a person must not meet a mass that was asked for in another
   /// situation.
@@ -45,6 +53,7 @@ class LoopSettings {
   uint64_t render_epoch() const { return settings_.render_epoch; }
 
  private:
+  bool MassIsVoid();
   void ForgetMass();
   Posted Post();
 

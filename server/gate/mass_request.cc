@@ -16,8 +16,7 @@ std::string Range(const Interval& interval) {
 std::string Advice(const StabilityReport& report, const std::string& unit) {
   std::string advice = "Ask for " + FigureTowardsZero(report.nearest_admitted_mass) + " " + unit;
   if (report.admitting_cutoff_hz) {
-    advice += ", or configure the filter's cut-off at " + FigureTowardsZero(*report.admitting_cutoff_hz) +
-              " Hz or below";
+    advice += ", or set the filter's cut-off to " + FigureTowardsZero(*report.admitting_cutoff_hz) + " Hz";
   }
   return advice + ". The mass rendered so far stays.";
 }

@@ -18,8 +18,8 @@ void Require(bool allowed, const char* field, double value, const char* what_is_
 // Written so that a NaN is never allowed.
 const LoopConfig& Checked(const LoopConfig& c, const device::DriveInfo& info) {
   Require(c.period_s >= 1e-4 && c.period_s <= 1e-2, "period_s", c.period_s, "0.0001 to 0.01");
-  Require(c.cutoff_hz > 0 && c.cutoff_hz <= 0.5 / c.period_s, "cutoff_hz", c.cutoff_hz,
-          "above 0, at most half the sample rate");
+  Require(model::Runs(c.estimator, c.period_s, c.cutoff_hz), "cutoff_hz", c.cutoff_hz,
+          "what the estimator runs with: above 0, at most half the sample rate, for butterworth 0.49 of it");
   Require(c.force_limit > 0 && std::isfinite(c.force_limit), "force_limit", c.force_limit, "above 0");
   Require(std::isfinite(c.position_min), "position_min", c.position_min, "any number");
   Require(std::isfinite(c.position_max) && c.position_max > c.position_min, "position_max", c.position_max,

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 
+#include "server/model/estimator_kind.h"
+
 namespace mwidth::render {
 
 /// What the loop asks of the host's scheduler.
@@ -18,9 +20,10 @@ struct RealtimeConfig {
 /// One axis. Linear: kg, m, N; rotary: kg m^2, rad, N m. There is no default for what the motor and the
 /// person beside it decide: a config without limits is refused.
 struct LoopConfig {
-  /// Sample period T, 1e-4 to 1e-2 s, and cut-off f0 of the acceleration filter, above 0, at most 0.5 /
-  /// period_s.
+  /// Sample period T, 1e-4 to 1e-2 s.
   double period_s = 1e-3;
+  /// Filter of the acceleration until another is asked for: what model::Runs allows.
+  model::EstimatorKind estimator = model::EstimatorKind::kFilteredDifference;
   double cutoff_hz = 10;
 
   /// Largest force that is ever commanded, either sign; above 0.

@@ -22,15 +22,15 @@ double Supervisor::Step(const Settings& settings, const Observation& seen) noexc
     emergency_stops_seen_ = settings.emergency_stops;
     Trip(Fault::kEmergencyStop, static_cast<double>(settings.emergency_stops), 0);
   }
-  Obey(settings, seen.monotonic_ns);
+  Obey(settings, seen);
   Watch(seen);
   mass_.Advance(1);
   FinishRamp();
   return mass_.mass();
 }
 
-void Supervisor::Obey(const Settings& settings, int64_t now_ns) noexcept {
-  const bool wanted = settings.rendering && settings.lease_deadline_ns > now_ns && !stopping_;
+void Supervisor::Obey(const Settings& settings, const Observation& seen) noexcept {
+  const bool wanted = settings.rendering && settings.lease_deadline_ns > seen.monotonic_ns && !stopping_;
   if (state_ == State::kRendering && ending_) {
     return;  // What is asked for now is answered in READY.
   }
@@ -40,13 +40,13 @@ void Supervisor::Obey(const Settings& settings, int64_t now_ns) noexcept {
     case State::kIdle:
     case State::kReady:
       if (new_epoch && wanted) {
-        Begin(settings);
+        Begin(settings, seen.filter);
       }
       break;
     case State::kRendering:
       if (wanted) {
         render_epoch_ = epoch_seen_;
-        Follow(settings);
+        Follow(settings, seen.filter);
       } else {
         ending_ = true;
         mass_.SetTarget(0, kEndRampS);
@@ -58,24 +58,37 @@ void Supervisor::Obey(const Settings& settings, int64_t now_ns) noexcept {
   }
 }
 
-void Supervisor::Begin(const Settings& settings) noexcept {
+void Supervisor::Begin(const Settings& settings, const exchange::Filter& running) noexcept {
   if (!enabled_ && !drive_.Enable()) {
     Trip(Fault::kDriveRefused, 0, 0);
     return;
   }
   enabled_ = true;
   ending_ = false;
+  changing_filter_ = false;
   state_ = State::kRendering;
   render_epoch_ = settings.render_epoch;
-  Follow(settings);
+  Follow(settings, running);
 }
 
-void Supervisor::Follow(const Settings& settings) noexcept {
+void Supervisor::Follow(const Settings& settings, const exchange::Filter& running) noexcept {
   // The gate lets no such mass through. If one comes all the same, nothing that was certified holds any more.
+  const auto estimator = static_cast<model::EstimatorKind>(settings.filter.estimator);
   if (!std::isfinite(settings.mass)) {
     Trip(Fault::kNotFinite, settings.mass, 0);
-  } else if (settings.mass != mass_.target()) {
-    mass_.SetTarget(settings.mass, settings.ramp_s);
+  } else if (!model::Runs(estimator, config_.period_s, settings.filter.cutoff_hz)) {
+    Trip(Fault::kNotFinite, settings.filter.cutoff_hz, 0);
+  } else if (settings.filter != running) {
+    changing_filter_ = true;
+    if (mass_.target() != 0) {
+      mass_.SetTarget(0, kFilterRampS);
+    }
+  } else {
+    if (settings.mass != mass_.target()) {
+      mass_.SetTarget(settings.mass,
+                      changing_filter_ ? std::max(settings.ramp_s, kFilterRampS) : settings.ramp_s);
+    }
+    changing_filter_ = false;
   }
 }
 

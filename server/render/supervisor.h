@@ -14,6 +14,9 @@ namespace mwidth::render {
 /// lease, that and the tick that notices stay within the 500 ms that are promised.
 inline constexpr double kEndRampS = 0.2;
 
+/// The least time of the ramp to zero before another filter takes over, and of the ramp back afterwards.
+inline constexpr double kFilterRampS = 0.2;
+
 /// Ticks without an answer of the drive over which the last estimate stands in for the missing one.
 inline constexpr uint64_t kHeldTicks = 2;
 
@@ -28,6 +31,8 @@ struct Observation {
   double position = 0;
   double velocity = 0;
   double acceleration = 0;
+  /// What the acceleration was estimated by.
+  exchange::Filter filter{};
 };
 
 /// The state machine of one axis, and the only one that switches its drive on and off. The loop's thread; all
@@ -58,6 +63,8 @@ class Supervisor {
   void BeginStop() noexcept { stopping_ = true; }
   /// True when no force is left that would have to ramp down.
   bool AtRest() const noexcept;
+  /// True when no mass is rendered or on its way: the filter may change, and no force will jump.
+  bool MassIsZero() const noexcept { return mass_.mass() == 0 && mass_.target() == 0; }
   /// Disables the drive whatever the state; a fault stays.
   void Close() noexcept;
 
@@ -71,9 +78,10 @@ class Supervisor {
   uint64_t renderings_ended() const noexcept { return renderings_ended_; }
 
  private:
-  void Obey(const exchange::Settings& settings, int64_t now_ns) noexcept;
-  void Begin(const exchange::Settings& settings) noexcept;
-  void Follow(const exchange::Settings& settings) noexcept;
+  void Obey(const exchange::Settings& settings, const Observation& seen) noexcept;
+  void Begin(const exchange::Settings& settings, const exchange::Filter& running) noexcept;
+  /// Ramps to what is set. `running` is the filter that runs: a mass that is admitted for another one waits.
+  void Follow(const exchange::Settings& settings, const exchange::Filter& running) noexcept;
   void Clear(uint64_t cleared_fault_number) noexcept;
   void Watch(const Observation& seen) noexcept;
   void WatchMotion(const Observation& seen) noexcept;
@@ -90,6 +98,7 @@ class Supervisor {
   bool enabled_ = false;
   bool ending_ = false;
   bool stopping_ = false;
+  bool changing_filter_ = false;
   uint64_t tick_ = 0;
   // Highest epoch seen; a start is obeyed or forfeited when it is first seen, never kept for later.
   uint64_t epoch_seen_ = 0;

@@ -21,15 +21,25 @@ Tick::Tick(const LoopConfig& config, device::Drive& drive, exchange::Crossing& c
       crossing_(crossing),
       info_(drive.Info()),
       largest_force_counts_(LargestForceCounts(config.force_limit, info_.force_quantum)),
+      configured_filter_{.estimator = static_cast<uint8_t>(config.estimator), .cutoff_hz = config.cutoff_hz},
+      period_s_(config.period_s),
       settings_(TakeHistory(crossing)),
-      estimator_(config.period_s, config.cutoff_hz),
+      filter_(configured_filter_),
+      estimator_(config.period_s, config.cutoff_hz, config.estimator),
       supervisor_(config, settings_, drive) {}
+
+void Tick::TakeSettings() noexcept {
+  crossing_.settings.Take(settings_);
+  if (settings_.filter.cutoff_hz == 0) {
+    settings_.filter = configured_filter_;
+  }
+}
 
 void Tick::Run(uint64_t tick, int64_t now_ns, uint64_t missed_ticks) noexcept {
   missed_ticks_ += missed_ticks;
   const device::Reading reading = drive_.Read(tick);
   // After the read, which may wait for the drive: an emergency stop posted meanwhile counts in this tick.
-  crossing_.settings.Take(settings_);
+  TakeSettings();
   if (reading.ok) {
     Follow(tick, reading.position_counts);
   }
@@ -39,9 +49,12 @@ void Tick::Run(uint64_t tick, int64_t now_ns, uint64_t missed_ticks) noexcept {
                                                    .fresh = reading.ok,
                                                    .position = position_,
                                                    .velocity = estimator_.velocity(),
-                                                   .acceleration = estimator_.acceleration()});
+                                                   .acceleration = estimator_.acceleration(),
+                                                   .filter = filter_});
   Command(mass);
-  Post(tick, now_ns, !reading.ok);
+  PostSample(tick, now_ns, !reading.ok);
+  FollowFilter();
+  PostStatus(tick, now_ns);
 }
 
 void Tick::Follow(uint64_t tick, int64_t position_counts) noexcept {
@@ -51,6 +64,15 @@ void Tick::Follow(uint64_t tick, int64_t position_counts) noexcept {
   // jump.
   estimator_.Update(position_, tick - answered_tick_);
   answered_tick_ = tick;
+}
+
+void Tick::FollowFilter() noexcept {
+  const auto estimator = static_cast<model::EstimatorKind>(settings_.filter.estimator);
+  if (settings_.filter != filter_ && supervisor_.MassIsZero() &&
+      model::Runs(estimator, period_s_, settings_.filter.cutoff_hz)) {
+    filter_ = settings_.filter;
+    estimator_ = estimator_.ChangedTo(estimator, filter_.cutoff_hz);
+  }
 }
 
 ForceCommand Tick::ForceAt(double mass) noexcept {
@@ -73,7 +95,7 @@ void Tick::Command(double mass) noexcept {
   }
 }
 
-void Tick::Post(uint64_t tick, int64_t now_ns, bool stale) noexcept {
+void Tick::PostSample(uint64_t tick, int64_t now_ns, bool stale) noexcept {
   crossing_.samples.Push({.tick = tick,
                           .monotonic_ns = now_ns,
                           .position_counts = position_counts_,
@@ -86,8 +108,8 @@ void Tick::Post(uint64_t tick, int64_t now_ns, bool stale) noexcept {
                           .velocity = estimator_.velocity(),
                           .acceleration = estimator_.acceleration(),
                           .force = force_.counts * info_.force_quantum,
-                          .mass = supervisor_.mass()});
-  PostStatus(tick, now_ns);
+                          .mass = supervisor_.mass(),
+                          .filter = filter_});
 }
 
 void Tick::PostStatus(uint64_t tick, int64_t now_ns) noexcept {
@@ -105,6 +127,7 @@ void Tick::PostStatus(uint64_t tick, int64_t now_ns) noexcept {
                          .force = force_.counts * info_.force_quantum,
                          .mass = supervisor_.mass(),
                          .target_mass = supervisor_.target_mass(),
+                         .filter = filter_,
                          .missed_ticks = missed_ticks_});
 }
 

@@ -15,9 +15,10 @@ namespace mwidth::render {
 /// Reads the drive, estimates the acceleration, applies eq. 5 and the limits, writes the drive, and posts
 /// what it did. No time, thread or memory of its own but what is passed in: the same readings and settings
 /// give the same samples, to the bit. In a Sample, position = position_counts * position_quantum; velocity
-/// and acceleration are those of model::AccelerationEstimator over the ticks whose position is not stale;
-/// force = force_counts * force_quantum, and force_counts is mass * acceleration limited and rounded to
-/// counts: the force that the drive was given. The loop's thread, except the constructor; all but that is Rt.
+/// and acceleration are those of model::AccelerationEstimator over the ticks whose position is not stale, as
+/// the sample's filter, into which it changes (ChangedTo) before its first estimate; force = force_counts *
+/// force_quantum, and force_counts is mass * acceleration limited and rounded to counts: the force that the
+/// drive was given. The loop's thread, except the constructor; all but that is Rt.
 class Tick {
  public:
   /// Settings that were posted before are history, taken by another loop or not: see Supervisor.
@@ -34,18 +35,25 @@ class Tick {
   void Close() noexcept;
 
  private:
+  /// Takes the newest settings, if any; what they leave open is as configured.
+  void TakeSettings() noexcept;
   /// The motion at the last answer of the drive.
   void Follow(uint64_t tick, int64_t position_counts) noexcept;
   ForceCommand ForceAt(double mass) noexcept;
   void Command(double mass) noexcept;
-  void Post(uint64_t tick, int64_t now_ns, bool stale) noexcept;
+  /// Changes to the filter that is set, once no mass is rendered.
+  void FollowFilter() noexcept;
+  void PostSample(uint64_t tick, int64_t now_ns, bool stale) noexcept;
   void PostStatus(uint64_t tick, int64_t now_ns) noexcept;
 
   device::Drive& drive_;
   exchange::Crossing& crossing_;
   const device::DriveInfo info_;
   const int32_t largest_force_counts_;
+  const exchange::Filter configured_filter_;
+  const double period_s_;
   exchange::Settings settings_;
+  exchange::Filter filter_;
   model::AccelerationEstimator estimator_;
   Supervisor supervisor_;
   ForceCommand force_;

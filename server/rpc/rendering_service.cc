@@ -36,7 +36,7 @@ void Describe(AxisGate& gate, v1::AxisState& message) {
   message.set_controller(gate.Controller());
   message.set_realtime(axis.realtime);
   message.set_realtime_message(axis.realtime_message);
-  Convert(gate.stability().range(), *message.mutable_m_width());
+  Convert(gate.stability()->range(), *message.mutable_m_width());
 }
 
 /// On one line of the log, whatever a client sent.

@@ -48,6 +48,7 @@ TEST_F(ConfigTest, ReadsThePaperLoop) {
   EXPECT_EQ(axis.loop.hand_stiffness, 700);
   EXPECT_EQ(axis.loop.hand_damping, 5);
   EXPECT_EQ(axis.loop.period_s, 0.001);
+  EXPECT_EQ(axis.loop.estimator, model::EstimatorKind::kFilteredDifference);
   EXPECT_EQ(axis.loop.cutoff_hz, 10);
   EXPECT_EQ(axis.loop.delay_s, 0);
 }
@@ -75,16 +76,36 @@ TEST_F(ConfigTest, ReadsEveryShippedConfiguration) {
 
 TEST_F(ConfigTest, NamesFileLineKeyAndRangeOfAWrongNumber) {
   EXPECT_THAT(ErrorAfter("cutoff_hz = 10.0", "cutoff_hz = 501"),
-              AllOf(HasSubstr(".toml:21: axis.loop.cutoff_hz is 501"), HasSubstr("at most 500")));
+              AllOf(HasSubstr(".toml:27: axis.loop.cutoff_hz is 501"), HasSubstr("at most 500")));
   EXPECT_THAT(ErrorAfter("period_s = 0.001", "period_s = 0"), HasSubstr("from 0.0001 to 0.01"));
   EXPECT_THAT(ErrorAfter("mass = 0.070", "mass = nan"), HasSubstr("axis.device.mass is nan"));
   EXPECT_THAT(ErrorAfter("stiffness = 700.0", "stiffness = inf"), HasSubstr("axis.hand.stiffness is inf"));
 }
 
+TEST_F(ConfigTest, ReadsTheEstimatorAndItsCutoffs) {
+  const std::string text = ReadFile(CONFIG_DIR "/paper.toml");
+  const std::string last = "cutoff_hz = 10.0";
+  const std::size_t begin = text.find("estimator = ");
+  const std::string shipped = text.substr(begin, text.find(last) + last.size() - begin);
+  const auto with = [&shipped](const std::string& estimator, const std::string& cutoff_hz) {
+    return ErrorAfter(shipped, "estimator = \"" + estimator + "\"\ncutoff_hz = " + cutoff_hz);
+  };
+  for (const model::EstimatorKind kind : model::kEstimatorKinds) {
+    EXPECT_EQ(with(model::Name(kind), "30"), "accepted");
+  }
+  EXPECT_EQ(with("kalman", "500"), "accepted");
+  EXPECT_THAT(with("butterworth", "495"),
+              AllOf(HasSubstr("axis.loop.cutoff_hz is 495"), HasSubstr("to 490")));
+  EXPECT_THAT(with("savitzky-golay", "30"), AllOf(HasSubstr("axis.loop.estimator is \"savitzky-golay\""),
+                                                  HasSubstr("\"butterworth\", \"kalman\"")));
+  EXPECT_EQ(ErrorAfter(shipped, last), "accepted");
+}
+
 TEST_F(ConfigTest, NamesAnUnknownKeyAndTheAllowedOnes) {
   EXPECT_THAT(ErrorAfter("cutoff_hz", "cutof_hz"), HasSubstr("axis.loop.cutoff_hz is missing"));
-  EXPECT_THAT(ErrorAfter("delay_s = 0.0", "delay = 0.0"),
-              AllOf(HasSubstr("axis.loop.delay is not a key"), HasSubstr("cutoff_hz, delay_s, period_s")));
+  EXPECT_THAT(
+      ErrorAfter("delay_s = 0.0", "delay = 0.0"),
+      AllOf(HasSubstr("axis.loop.delay is not a key"), HasSubstr("cutoff_hz, delay_s, estimator, period_s")));
 }
 
 TEST_F(ConfigTest, RefusesWrongTypesAndWords) {

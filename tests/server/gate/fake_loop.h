@@ -42,6 +42,9 @@ class FakeLoop {
       Trip(exchange::Fault::kEmergencyStop);
     }
     Obey();
+    if (status_.mass == 0 && filter_ticks_-- <= 0) {
+      status_.filter = settings_.filter;
+    }
     crossing_.status.Post(status_);
   }
 
@@ -59,6 +62,8 @@ class FakeLoop {
   void RefuseDrive() { drive_refuses_ = true; }
   /// Ticks that a cleared fault stays latched, as while its ramp goes on.
   void HoldFaults(int ticks) { fault_ticks_ = ticks; }
+  /// Ticks that a change of filter takes, with no mass rendered.
+  void HoldFilter(int ticks) { filter_ticks_ = ticks; }
   /// From now on a start is acknowledged and not obeyed.
   void IgnoreStarts() { ignores_starts_ = true; }
 
@@ -90,14 +95,14 @@ class FakeLoop {
     }
     status_.state = exchange::State::kRendering;
     status_.render_epoch = settings_.render_epoch;
-    status_.mass = settings_.mass;
+    status_.mass = status_.filter == settings_.filter ? settings_.mass : 0;
     status_.target_mass = settings_.mass;
     end_ticks_ = 0;
   }
 
   void Render(bool wanted) {
     if (wanted && end_ticks_ == 0) {
-      status_.mass = settings_.mass;
+      status_.mass = status_.filter == settings_.filter ? settings_.mass : 0;
       status_.target_mass = settings_.mass;
     } else if (++end_ticks_ == kEndTicks) {
       status_.state = exchange::State::kReady;
@@ -115,6 +120,7 @@ class FakeLoop {
   uint64_t epoch_seen_ = 0;
   int end_ticks_ = 0;
   int fault_ticks_ = 0;
+  int filter_ticks_ = 0;
   bool drive_refuses_ = false;
   bool ignores_starts_ = false;
 };

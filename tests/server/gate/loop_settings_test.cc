@@ -18,7 +18,7 @@ class LoopSettingsTest : public testing::Test {
   }
 
   std::unique_ptr<exchange::Crossing> crossing = std::make_unique<exchange::Crossing>();
-  LoopSettings loop{*crossing};
+  LoopSettings loop{*crossing, {.estimator = 1, .cutoff_hz = 30}};
   Settings taken;
 };
 
@@ -96,6 +96,24 @@ TEST_F(LoopSettingsTest, KnowsWhatTheLoopHasYetToFollow) {
   EXPECT_TRUE(loop.StopPending());
   crossing->status.Post({.state = State::kReady, .fault = {}, .render_epoch = 1});
   EXPECT_FALSE(loop.StopPending());
+}
+
+TEST_F(LoopSettingsTest, PostsTheFilterWithEverything) {
+  loop.SetMass(0.5, 1);
+  EXPECT_EQ(Taken().filter, (exchange::Filter{.estimator = 1, .cutoff_hz = 30}));
+  loop.SetFilter({.estimator = 2, .cutoff_hz = 7});
+  const Settings settings = Taken();
+  EXPECT_EQ(settings.filter, (exchange::Filter{.estimator = 2, .cutoff_hz = 7}));
+  EXPECT_EQ(settings.mass, 0.5);
+}
+
+TEST_F(LoopSettingsTest, ForgetsAVoidMassWithTheFilterThatItWasAdmittedFor) {
+  loop.SetMass(0.5, 1);
+  EXPECT_EQ(loop.KeptMass(), 0.5);
+  crossing->status.Post({.fault = {}, .renderings_ended = 1});
+  EXPECT_EQ(loop.KeptMass(), 0);
+  loop.SetFilter({.estimator = 2, .cutoff_hz = 7});
+  EXPECT_EQ(Taken().mass, 0);
 }
 
 }  // namespace

@@ -60,7 +60,7 @@ TEST(InadmissibleMass, TellsAPersonWhatWouldBeAccepted) {
   EXPECT_EQ(refusal.reason, kUnstableMass);
   EXPECT_THAT(refusal.message, HasSubstr("outside the admitted range of -0.0"));
   EXPECT_THAT(refusal.message, HasSubstr("Ask for " + refusal.metadata.at("nearest_admitted_mass") + " kg"));
-  EXPECT_THAT(refusal.message, HasSubstr("cut-off at "));
+  EXPECT_THAT(refusal.message, HasSubstr("cut-off to "));
   ASSERT_TRUE(refusal.stability.has_value());
   EXPECT_EQ(refusal.stability->requested_mass, mass);
   // The number that a person reads, and types, is admitted.

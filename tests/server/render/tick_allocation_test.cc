@@ -75,6 +75,14 @@ TEST_F(TickAllocationTest, NoTickAllocatesInAnyState) {
   const uint64_t before = allocations.load();
   axis.RunTicks(100);
   axis.RenderSwinging(0.3);
+  for (const model::EstimatorKind kind : model::kEstimatorKinds) {
+    axis.settings.filter = {.estimator = static_cast<uint8_t>(kind), .cutoff_hz = 30};
+    axis.Post();
+    for (int k = 0; k < 500; ++k) {
+      axis.Swing();
+    }
+    EXPECT_EQ(axis.status.filter, axis.settings.filter);
+  }
   axis.Swing(3);
   axis.drive.answers_reads = false;
   axis.Swing();
