@@ -55,6 +55,46 @@ model::LoopParameters ReadLoop(ConfigTable& axis) {
   return loop;
 }
 
+// A range around the loop's own value, which is the range where the key does not stand.
+model::ParameterRange ReadRange(ConfigTable& table, std::string_view key, Range allowed, double own) {
+  const std::optional<Range> range = table.OptionalRange(key, allowed);
+  if (!range) {
+    return {.min = own, .max = own};
+  }
+  if (own < range->min || own > range->max) {
+    std::ostringstream text;
+    text << "does not hold the axis's own value, " << own;
+    table.Refuse(key, text.str());
+  }
+  return {.min = range->min, .max = range->max};
+}
+
+std::optional<model::HandEnvelope> ReadHandEnvelope(ConfigTable& axis, const model::LoopParameters& loop) {
+  std::optional<ConfigTable> table = axis.OptionalTable("envelope");
+  if (!table) {
+    return std::nullopt;
+  }
+  const model::HandEnvelope envelope{
+      .hand_stiffness = ReadRange(*table, "stiffness", {0, kLargest}, loop.hand_stiffness),
+      .hand_damping = ReadRange(*table, "damping", {0, 1e4}, loop.hand_damping),
+      .hand_mass = ReadRange(*table, "mass", {0, 1e4}, loop.hand_mass),
+      .include_released_hand = table->BooleanOr("include_released_hand", false)};
+  table->Finish();
+  return envelope;
+}
+
+std::optional<model::DeviceTolerance> ReadDeviceTolerance(ConfigTable& axis, const model::LoopParameters& loop) {
+  std::optional<ConfigTable> table = axis.OptionalTable("tolerance");
+  if (!table) {
+    return std::nullopt;
+  }
+  const model::DeviceTolerance tolerance{
+      .device_mass = ReadRange(*table, "mass", {1e-6, 1e4}, loop.device_mass),
+      .device_damping = ReadRange(*table, "damping", {0, 1e4}, loop.device_damping)};
+  table->Finish();
+  return tolerance;
+}
+
 LimitsConfig ReadLimits(ConfigTable limits) {
   const LimitsConfig read{
       .mass_min = limits.Number("mass_min", {-kLargest, 0}),
@@ -113,6 +153,8 @@ AxisConfig ReadAxis(ConfigTable axis, const std::filesystem::path& folder) {
   }
   read.kind = kind == "linear" ? model::AxisKind::kLinear : model::AxisKind::kRotary;
   read.loop = ReadLoop(axis);
+  read.hand_envelope = ReadHandEnvelope(axis, read.loop);
+  read.device_tolerance = ReadDeviceTolerance(axis, read.loop);
 
   ConfigTable gate = axis.Table("gate");
   read.required_gain_margin_db = gate.NumberOr("required_gain_margin_db", {0, 40}, kDefaultGainMarginDb);

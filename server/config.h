@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/model/axis_kind.h"
+#include "server/model/envelope.h"
 #include "server/model/loop_parameters.h"
 
 namespace mwidth::server {
@@ -60,6 +61,9 @@ struct AxisConfig {
   double required_gain_margin_db = 0;
   /// Largest standard deviation of the force that the encoder's counts may cause; none: any.
   std::optional<double> force_noise_limit;
+  /// Hands and devices that every admitted mass is stable with; none: exactly those of `loop`.
+  std::optional<model::HandEnvelope> hand_envelope;
+  std::optional<model::DeviceTolerance> device_tolerance;
   LimitsConfig limits;
   RealtimeConfig realtime;
   DriveConfig drive;

@@ -52,6 +52,33 @@ std::optional<int> ConfigTable::OptionalInteger(std::string_view key, Range allo
   return node == nullptr ? std::nullopt : std::optional(CheckedInteger(key, *node, allowed));
 }
 
+bool ConfigTable::BooleanOr(std::string_view key, bool otherwise) {
+  const toml::node* node = Find(key);
+  if (node == nullptr) {
+    return otherwise;
+  }
+  if (!node->is_boolean()) {
+    Refuse(key, "is " + Shown(*node) + "; allowed is true or false");
+  }
+  return **node->as_boolean();
+}
+
+std::optional<Range> ConfigTable::OptionalRange(std::string_view key, Range allowed) {
+  const toml::node* node = Find(key);
+  if (node == nullptr) {
+    return std::nullopt;
+  }
+  const toml::array* ends = node->as_array();
+  if (ends == nullptr || ends->size() != 2) {
+    Refuse(key, "is " + Shown(*node) + "; allowed is [min, max]");
+  }
+  const Range range{CheckedNumber(key, *ends->get(0), allowed), CheckedNumber(key, *ends->get(1), allowed)};
+  if (range.min > range.max) {
+    Refuse(key, "is " + Shown(*node) + "; its first number must not be above its second");
+  }
+  return range;
+}
+
 std::string ConfigTable::String(std::string_view key) {
   const toml::node& node = Require(key, "a text in quotes");
   if (!node.is_string()) {
@@ -70,6 +97,10 @@ ConfigTable ConfigTable::Table(std::string_view key) {
     Refuse(key, "must be a table [" + FullName(key) + "]");
   }
   return {*node.as_table(), file_, FullName(key)};
+}
+
+std::optional<ConfigTable> ConfigTable::OptionalTable(std::string_view key) {
+  return Find(key) == nullptr ? std::nullopt : std::optional(Table(key));
 }
 
 std::vector<ConfigTable> ConfigTable::Tables(std::string_view key) {

@@ -30,10 +30,15 @@ class ConfigTable {
   std::optional<double> OptionalNumber(std::string_view key, Range allowed);
   int IntegerOr(std::string_view key, Range allowed, int otherwise);
   std::optional<int> OptionalInteger(std::string_view key, Range allowed);
+  bool BooleanOr(std::string_view key, bool otherwise);
+  /// `[min, max]`, both in `allowed` and in order.
+  std::optional<Range> OptionalRange(std::string_view key, Range allowed);
   std::string String(std::string_view key);
   std::string StringOr(std::string_view key, std::string otherwise);
   /// A table below this one; it must stand.
   ConfigTable Table(std::string_view key);
+  /// The same, if it stands.
+  std::optional<ConfigTable> OptionalTable(std::string_view key);
   /// The array of tables `key`, such as [[axis]]; at least one.
   std::vector<ConfigTable> Tables(std::string_view key);
   void Finish() const;

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "server/gate/force_noise_limit.h"
+#include "server/gate/requirements.h"
 #include "server/model/axis_kind.h"
 #include "server/model/loop_parameters.h"
 
@@ -27,6 +27,9 @@ struct AxisDescription {
   double position_quantum = 0;
   /// Largest standard deviation of the force that the encoder's counts may cause; none: any.
   std::optional<double> force_noise_limit{};
+  /// Hands and devices that every admitted mass is stable with; none: exactly those of `loop`.
+  std::optional<model::HandEnvelope> hand_envelope{};
+  std::optional<model::DeviceTolerance> device_tolerance{};
   bool simulated = false;
   /// Whether the loop has real-time scheduling and, if not, why and how to change it.
   bool realtime = false;
@@ -35,10 +38,12 @@ struct AxisDescription {
   /// real-time scheduling is one reason.
   std::string rendering_blocked_reason;
 
-  /// What a mass must keep besides the M-width; none where any noise is allowed.
-  std::optional<ForceNoiseLimit> NoiseLimit() const {
-    return force_noise_limit ? std::optional(ForceNoiseLimit{position_quantum, *force_noise_limit})
-                             : std::nullopt;
+  /// What every admitted mass keeps.
+  gate::Requirements Requirements() const {
+    const auto noise = force_noise_limit
+                           ? std::optional(ForceNoiseLimit{position_quantum, *force_noise_limit})
+                           : std::nullopt;
+    return {required_gain_margin_db, noise, hand_envelope, device_tolerance};
   }
 };
 

@@ -18,6 +18,7 @@
 #include "server/gate/refusal.h"
 #include "server/gate/stability_gate.h"
 #include "server/gate/wait_for_loop.h"
+#include "server/model/certificate_cache.h"
 
 namespace mwidth::gate {
 
@@ -98,6 +99,8 @@ class AxisGate {
   exchange::Crossing& crossing_;
   const exchange::Clock& clock_;
   const WaitForLoop wait_;
+  /// Of the filters that were set, and of those that would admit a refused mass.
+  const std::shared_ptr<model::CertificateCache> certificates_ = std::make_shared<model::CertificateCache>();
 
   std::mutex mutex_;
   std::shared_ptr<const StabilityGate> stability_;

@@ -105,8 +105,8 @@ Result<FilterGrant> AxisGate::SetFilter(const std::string& lease_id, const Filte
   if (const auto error = model::Validate(grant.loop)) {
     return InvalidNumber(*error);
   }
-  const auto filtered = std::make_shared<const StabilityGate>(
-      grant.loop, description_.required_gain_margin_db, description_.NoiseLimit());
+  const auto filtered =
+      std::make_shared<const StabilityGate>(grant.loop, description_.Requirements(), certificates_);
   std::optional<Result<Posted>> posted;
   while (!posted) {
     grant.stability = filtered->Judge(

@@ -44,7 +44,7 @@ Refusal UnstableMass(const StabilityReport& report, const AxisDescription& axis)
   const MassRange& range = report.range;
   if (range.admitted.empty()) {
     refusal.message +=
-        " cannot be rendered: " + range.admitted.empty_reason + " Only a mass of 0 is accepted.";
+        " cannot be rendered: " + range.admitted.empty_reason + ". Only a mass of 0 is accepted.";
     return refusal;
   }
   refusal.message += " is outside the admitted range of " + Range(range.admitted) + " " + unit +

@@ -33,6 +33,10 @@ struct MassRange {
   double min_critical_hz = 0;
   double max_critical_hz = 0;
   double required_gain_margin_db = 0;
+  /// The loops with the nearest edges among those that the robust interval holds for; the loop itself where
+  /// there is no other. Not set where the interval is empty.
+  std::optional<model::LoopParameters> min_binding;
+  std::optional<model::LoopParameters> max_binding;
 };
 
 /// Why a mass is admitted or not.
@@ -46,7 +50,8 @@ struct StabilityReport {
   /// Factor by which the mass may grow before the nominal loop is unstable, in decibels: negative where it is
   /// unstable already, infinite for a mass of zero, minus infinite where the M-width is empty.
   double gain_margin_db = 0;
-  /// Frequency at which the loop oscillates at the edge on this mass's side; 0 where the M-width is empty.
+  /// Frequency at which the loop that binds oscillates at its edge on this mass's side; 0 where the robust
+  /// interval is empty.
   double critical_hz = 0;
   /// Standard deviation of the force that the encoder's counts cause; none where the mass is unstable, or
   /// where the axis does not limit it.
@@ -56,7 +61,8 @@ struct StabilityReport {
   /// The mass nearest to the requested one that is admitted and within the axis's hard limits; asking for
   /// exactly this mass is granted.
   double nearest_admitted_mass = 0;
-  /// Where the mass is refused: the highest cut-off below the present one that would admit it, if any.
+  /// Where the mass is refused: a cut-off below the present one that would admit it, if any: the highest
+  /// where one loop is assumed, near it where several are.
   std::optional<double> admitting_cutoff_hz;
 };
 

@@ -43,8 +43,9 @@ struct Bode {
   std::string effective_missing;
 };
 
-/// L and the effective ratios of `loop` with the virtual mass `mass`, which is finite. Precondition:
-/// Validate(loop) and Validate(range, loop.period_s) are empty. Any thread; some microseconds a frequency.
+/// L and the effective ratios of `loop` with the virtual mass `mass`, which is finite. The continuous model
+/// takes every estimator for the paper's. Precondition: Validate(loop) and Validate(range, loop.period_s) are
+/// empty. Any thread; some microseconds a frequency.
 Bode ComputeBode(const LoopParameters& loop, double mass, const FrequencyRange& range, ResponseModel model);
 
 }  // namespace mwidth::model

@@ -1,6 +1,7 @@
 // Long computations, which must not be felt by the loops and may not pile up.
 #pragma once
 
+#include <future>
 #include <semaphore>
 
 namespace mwidth::rpc {
@@ -10,6 +11,17 @@ namespace mwidth::rpc {
 /// slice now and then; a thread of SCHED_IDLE is preempted the moment an ordinary one wakes up, which
 /// SCHED_BATCH and nice values do not promise. Where the host refuses, the thread stays as it was.
 void LowerPriority() noexcept;
+
+/// What `work` returns, or throws, on a thread of its own at low priority. Waits for it.
+template <typename Work>
+auto AtLowPriority(const Work& work) {
+  return std::async(std::launch::async,
+                    [&work] {
+                      LowerPriority();
+                      return work();
+                    })
+      .get();
+}
 
 /// How many of them may run at once.
 class ComputationLimit {

@@ -31,6 +31,25 @@ v1::FaultKind Kind(exchange::Fault fault) {
   return v1::FAULT_KIND_UNSPECIFIED;
 }
 
+v1::EstimatorKind Kind(model::EstimatorKind estimator) {
+  switch (estimator) {
+    case model::EstimatorKind::kFilteredDifference:
+      return v1::ESTIMATOR_KIND_FILTERED_DIFFERENCE;
+    case model::EstimatorKind::kLateFilteredDifference:
+      return v1::ESTIMATOR_KIND_LATE_FILTERED_DIFFERENCE;
+    case model::EstimatorKind::kButterworth:
+      return v1::ESTIMATOR_KIND_BUTTERWORTH;
+    case model::EstimatorKind::kKalman:
+      return v1::ESTIMATOR_KIND_KALMAN;
+  }
+  return v1::ESTIMATOR_KIND_UNSPECIFIED;
+}
+
+void Convert(const model::ParameterRange& range, v1::ParameterRange& message) {
+  message.set_min(range.min);
+  message.set_max(range.max);
+}
+
 void Convert(const gate::Interval& interval, v1::Interval& message) {
   message.set_min(interval.min);
   message.set_max(interval.max);
@@ -71,6 +90,19 @@ void Convert(const model::LoopParameters& loop, v1::LoopParameters& message) {
   message.set_period_s(loop.period_s);
   message.set_cutoff_hz(loop.cutoff_hz);
   message.set_delay_s(loop.delay_s);
+  message.set_estimator(Kind(loop.estimator));
+}
+
+void Convert(const model::HandEnvelope& hand, v1::HandEnvelope& message) {
+  Convert(hand.hand_stiffness, *message.mutable_stiffness());
+  Convert(hand.hand_damping, *message.mutable_damping());
+  Convert(hand.hand_mass, *message.mutable_mass());
+  message.set_include_released_hand(hand.include_released_hand);
+}
+
+void Convert(const model::DeviceTolerance& device, v1::DeviceTolerance& message) {
+  Convert(device.device_mass, *message.mutable_mass());
+  Convert(device.device_damping, *message.mutable_damping());
 }
 
 void Convert(const gate::MassRange& range, v1::MWidth& message) {
@@ -80,6 +112,12 @@ void Convert(const gate::MassRange& range, v1::MWidth& message) {
   message.set_min_critical_hz(range.min_critical_hz);
   message.set_max_critical_hz(range.max_critical_hz);
   message.set_required_gain_margin_db(range.required_gain_margin_db);
+  if (range.min_binding) {
+    Convert(*range.min_binding, *message.mutable_min_binding());
+  }
+  if (range.max_binding) {
+    Convert(*range.max_binding, *message.mutable_max_binding());
+  }
 }
 
 void Convert(const gate::StabilityReport& report, v1::StabilityReport& message) {
@@ -107,12 +145,33 @@ void Convert(const gate::AxisDescription& axis, v1::AxisInfo& message) {
   if (axis.force_noise_limit) {
     message.set_force_noise_limit(*axis.force_noise_limit);
   }
+  if (axis.hand_envelope) {
+    Convert(*axis.hand_envelope, *message.mutable_envelope());
+  }
+  if (axis.device_tolerance) {
+    Convert(*axis.device_tolerance, *message.mutable_tolerance());
+  }
 }
 
 void Convert(const gate::Lease& lease, v1::ControlLease& message) {
   message.set_lease_id(lease.id);
   *message.mutable_ttl() = TimeUtil::NanosecondsToDuration(lease.ttl_ns);
   *message.mutable_expire_time() = TimeUtil::GetCurrentTime() + message.ttl();
+}
+
+std::optional<model::EstimatorKind> Estimator(v1::EstimatorKind estimator) {
+  switch (estimator) {
+    case v1::ESTIMATOR_KIND_FILTERED_DIFFERENCE:
+      return model::EstimatorKind::kFilteredDifference;
+    case v1::ESTIMATOR_KIND_LATE_FILTERED_DIFFERENCE:
+      return model::EstimatorKind::kLateFilteredDifference;
+    case v1::ESTIMATOR_KIND_BUTTERWORTH:
+      return model::EstimatorKind::kButterworth;
+    case v1::ESTIMATOR_KIND_KALMAN:
+      return model::EstimatorKind::kKalman;
+    default:
+      return std::nullopt;
+  }
 }
 
 model::LoopParameters Override(model::LoopParameters own, const v1::LoopParameters& overrides) {
@@ -129,6 +188,7 @@ model::LoopParameters Override(model::LoopParameters own, const v1::LoopParamete
   replace(own.period_s, overrides.has_period_s(), overrides.period_s());
   replace(own.cutoff_hz, overrides.has_cutoff_hz(), overrides.cutoff_hz());
   replace(own.delay_s, overrides.has_delay_s(), overrides.delay_s());
+  own.estimator = Estimator(overrides.estimator()).value_or(own.estimator);
   return own;
 }
 

@@ -1,12 +1,15 @@
 // Between the plain structs of the gate and the messages of the API. Each Convert fills an empty message.
 #pragma once
 
+#include <optional>
+
 #include "mwidth/v1/rendering.pb.h"
 #include "mwidth/v1/stability.pb.h"
 #include "server/exchange/crossing.h"
 #include "server/gate/axis_description.h"
 #include "server/gate/control_lease.h"
 #include "server/gate/stability_report.h"
+#include "server/model/envelope.h"
 #include "server/model/loop_parameters.h"
 
 namespace mwidth::rpc {
@@ -14,6 +17,8 @@ namespace mwidth::rpc {
 v1::State Convert(exchange::State state);
 void Convert(const exchange::FaultRecord& fault, v1::FaultInfo& message);
 void Convert(const model::LoopParameters& loop, v1::LoopParameters& message);
+void Convert(const model::HandEnvelope& hand, v1::HandEnvelope& message);
+void Convert(const model::DeviceTolerance& device, v1::DeviceTolerance& message);
 void Convert(const gate::MassRange& range, v1::MWidth& message);
 void Convert(const gate::StabilityReport& report, v1::StabilityReport& message);
 void Convert(const gate::AxisDescription& axis, v1::AxisInfo& message);
@@ -21,7 +26,11 @@ void Convert(const gate::AxisDescription& axis, v1::AxisInfo& message);
 /// renewed.
 void Convert(const gate::Lease& lease, v1::ControlLease& message);
 
-/// `own` with the fields that are set in `overrides` in place of its own. The result is not validated.
+/// None where it is unspecified, or not one that this server knows.
+std::optional<model::EstimatorKind> Estimator(v1::EstimatorKind estimator);
+
+/// `own` with the fields that are set in `overrides` in place of its own. The result is not validated; an
+/// estimator that is none is left out.
 model::LoopParameters Override(model::LoopParameters own, const v1::LoopParameters& overrides);
 
 /// In seconds; not validated, and never NaN: a malformed duration is out of any range that the gate allows,

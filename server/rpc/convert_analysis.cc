@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "server/gate/invalid_number.h"
 #include "server/rpc/convert.h"
@@ -51,15 +52,57 @@ gate::Result<model::SweepRange> ReadRange(const std::string& side, const v1::Swe
                            .logarithmic = range.logarithmic()};
 }
 
+std::optional<gate::Refusal> CheckEstimator(const v1::LoopParameters& overrides) {
+  if (v1::EstimatorKind_IsValid(overrides.estimator())) {
+    return std::nullopt;
+  }
+  return gate::InvalidNumber("estimator", overrides.estimator(), "an EstimatorKind, 0 to 4");
+}
+
+model::ParameterRange Read(bool set, const v1::ParameterRange& range, double own) {
+  return set ? model::ParameterRange{.min = range.min(), .max = range.max()}
+             : model::ParameterRange{.min = own, .max = own};
+}
+
 }  // namespace
 
 gate::Result<model::LoopParameters> ReadLoop(const model::LoopParameters& own,
                                              const v1::LoopParameters& overrides) {
+  if (auto refusal = CheckEstimator(overrides)) {
+    return *std::move(refusal);
+  }
   const model::LoopParameters loop = Override(own, overrides);
   if (const auto error = model::Validate(loop)) {
     return gate::InvalidNumber(*error);
   }
   return loop;
+}
+
+bool AsksOfTheAxisItself(const v1::GetMWidthRequest& request) {
+  // A message without a field that is set has no size.
+  return request.loop().ByteSizeLong() == 0 && !request.has_envelope() && !request.has_tolerance();
+}
+
+gate::Result<gate::Requirements> ReadAssumptions(gate::Requirements own, const model::LoopParameters& loop,
+                                                 const v1::GetMWidthRequest& request) {
+  own.hand.reset();
+  own.device.reset();
+  if (request.has_envelope()) {
+    const v1::HandEnvelope& hand = request.envelope();
+    own.hand = {.hand_stiffness = Read(hand.has_stiffness(), hand.stiffness(), loop.hand_stiffness),
+                .hand_damping = Read(hand.has_damping(), hand.damping(), loop.hand_damping),
+                .hand_mass = Read(hand.has_mass(), hand.mass(), loop.hand_mass),
+                .include_released_hand = hand.include_released_hand()};
+  }
+  if (request.has_tolerance()) {
+    const v1::DeviceTolerance& device = request.tolerance();
+    own.device = {.device_mass = Read(device.has_mass(), device.mass(), loop.device_mass),
+                  .device_damping = Read(device.has_damping(), device.damping(), loop.device_damping)};
+  }
+  if (const auto error = model::Validate(AssumedLoops(loop, own))) {
+    return gate::InvalidNumber(*error);
+  }
+  return own;
 }
 
 gate::Result<double> ReadMass(double mass) {
@@ -72,6 +115,9 @@ gate::Result<double> ReadMass(double mass) {
 
 gate::Result<model::Sweep> ReadSweep(const model::LoopParameters& own,
                                      const v1::SweepMWidthRequest& request) {
+  if (auto refusal = CheckEstimator(request.loop())) {
+    return *std::move(refusal);
+  }
   // The loop is not validated by itself: what is swept is not used of it.
   model::Sweep sweep{.loop = Override(own, request.loop()), .x = {}, .y = {}};
   const gate::Result<model::SweepRange> x = ReadRange("x", request.x());
@@ -125,12 +171,15 @@ gate::Result<model::FrequencyRange> ReadFrequencies(const v1::GetFrequencyRespon
   return range;
 }
 
-gate::Result<model::ResponseModel> ReadModel(v1::ResponseModel model) {
+gate::Result<model::ResponseModel> ReadModel(v1::ResponseModel model, const model::LoopParameters& loop) {
   switch (model) {
     case v1::RESPONSE_MODEL_UNSPECIFIED:
     case v1::RESPONSE_MODEL_DISCRETE:
       return model::ResponseModel::kDiscrete;
     case v1::RESPONSE_MODEL_CONTINUOUS:
+      if (loop.estimator != model::EstimatorKind::kFilteredDifference) {
+        return gate::InvalidNumber("model", model, "RESPONSE_MODEL_DISCRETE (1) with this estimator");
+      }
       return model::ResponseModel::kContinuous;
     default:
       return gate::InvalidNumber("model", model, "a ResponseModel, 0 to 2");

@@ -1,6 +1,5 @@
 #include "server/rpc/stability_service.h"
 
-#include <future>
 #include <string>
 
 #include "server/gate/stability_gate.h"
@@ -42,7 +41,7 @@ gate::Result<FrequencyResponseQuery> Read(const model::LoopParameters& own,
   if (!frequencies.ok()) {
     return frequencies.refusal();
   }
-  const auto model = ReadModel(request.model());
+  const auto model = ReadModel(request.model(), *loop);
   if (!model.ok()) {
     return model.refusal();
   }
@@ -79,17 +78,36 @@ grpc::Status StabilityService::GetMWidth(grpc::ServerContext*, const v1::GetMWid
   return OnAxis(
       "GetMWidth", axes_, request->axis(),
       [&](gate::AxisGate& gate) -> gate::Result<gate::StabilityGate> {
+        if (AsksOfTheAxisItself(*request)) {
+          return gate.stability();
+        }
         const gate::AxisDescription& axis = gate.description();
         const auto loop = ReadLoop(axis.loop, request->loop());
         if (!loop.ok()) {
           return loop.refusal();
         }
-        return gate::StabilityGate(*loop, axis.required_gain_margin_db);
+        const auto requirements = ReadAssumptions(axis.Requirements(), *loop, *request);
+        if (!requirements.ok()) {
+          return requirements.refusal();
+        }
+        return Judge(*loop, *requirements);
       },
       [&](const gate::StabilityGate& judged) {
         Convert(judged.range(), *response->mutable_m_width());
         Convert(judged.loop(), *response->mutable_loop());
       });
+}
+
+gate::Result<gate::StabilityGate> StabilityService::Judge(const model::LoopParameters& loop,
+                                                          const gate::Requirements& requirements) {
+  if (gate::AssumesOneLoop(loop, requirements)) {
+    return gate::StabilityGate(loop, requirements);
+  }
+  const ComputationLimit::Place place(computations_);
+  if (!place.taken()) {
+    return TooManyComputations();
+  }
+  return AtLowPriority([&] { return gate::StabilityGate(loop, requirements, certificates_); });
 }
 
 grpc::Status StabilityService::SweepMWidth(grpc::ServerContext* context,
@@ -149,10 +167,7 @@ grpc::Status StabilityService::GetAccuracy(grpc::ServerContext*, const v1::GetAc
       if (!place.taken()) {
         return ToStatus(TooManyComputations());
       }
-      std::async(std::launch::async, [&] {
-        LowerPriority();
-        gate::SimulateAccuracy(query->loop, query->mass, query->band, accuracy);
-      }).get();
+      AtLowPriority([&] { gate::SimulateAccuracy(query->loop, query->mass, query->band, accuracy); });
     }
     Convert(query->loop, *response->mutable_loop());
     Convert(accuracy, *response->mutable_accuracy());

@@ -1,7 +1,14 @@
 // What the stability model says of an axis's loop, or of any other.
 #pragma once
 
+#include <memory>
+
 #include "mwidth/v1/stability.grpc.pb.h"
+#include "server/gate/refusal.h"
+#include "server/gate/requirements.h"
+#include "server/gate/stability_gate.h"
+#include "server/model/certificate_cache.h"
+#include "server/model/loop_parameters.h"
 #include "server/rpc/axis_registry.h"
 #include "server/rpc/background.h"
 
@@ -27,7 +34,11 @@ class StabilityService final : public v1::StabilityService::Service {
                            v1::GetAccuracyResponse* response) override;
 
  private:
+  gate::Result<gate::StabilityGate> Judge(const model::LoopParameters& loop,
+                                          const gate::Requirements& requirements);
+
   const AxisRegistry& axes_;
+  const std::shared_ptr<model::CertificateCache> certificates_ = std::make_shared<model::CertificateCache>();
   ComputationLimit computations_{kMostComputations};
 };
 

@@ -1,5 +1,5 @@
-"""Sweeps, frequency responses and accuracy over the wire: the paper's figures, the grid point by point, and what is
-refused."""
+"""Sweeps, frequency responses, accuracy and envelopes over the wire: the paper's figures, the grid point by point, and
+what is refused."""
 
 import math
 import pathlib
@@ -15,14 +15,21 @@ from mwidth.v1 import stability_pb2 as stability
 M = 0.070  # device mass of the paper
 
 
-def error_info(error):
-    """google.rpc.ErrorInfo in the details of a grpc.RpcError."""
+def detail(error, message):
+    """The message of this type in the details of a grpc.RpcError."""
     details = dict(error.trailing_metadata())["grpc-status-details-bin"]
-    info = error_details_pb2.ErrorInfo()
-    for detail in status_pb2.Status.FromString(details).details:
-        if detail.Unpack(info):
-            return info
-    raise AssertionError("no ErrorInfo in the details")
+    for packed in status_pb2.Status.FromString(details).details:
+        if packed.Unpack(message):
+            return message
+    raise AssertionError(f"no {message.DESCRIPTOR.full_name} in the details")
+
+
+def error_info(error):
+    return detail(error, error_details_pb2.ErrorInfo())
+
+
+def stability_report(error):
+    return detail(error, stability.StabilityReport())
 
 
 def hands(columns, rows):
@@ -155,11 +162,71 @@ class ModelServicesTest(unittest.TestCase):
         self.assert_refused("x.parameter", lambda: list(service.SweepMWidth(stability.SweepMWidthRequest())))
 
 
+def edited(folder, *edits):
+    """A copy of the paper's configuration in folder, with each (old, new) text replaced."""
+    text = (pathlib.Path(__file__).resolve().parents[2] / "deploy/config/paper.toml").read_text()
+    for old, new in edits:
+        if old not in text:
+            raise AssertionError(f"{old} is not in the configuration")
+        text = text.replace(old, new)
+    config = pathlib.Path(folder) / "edited.toml"
+    config.write_text(text)
+    return config
+
+
+class EnvelopeTest(unittest.TestCase):
+    """An axis whose hand may tighten and let go."""
+
+    @classmethod
+    def setUpClass(cls):
+        with tempfile.TemporaryDirectory() as folder:
+            cls.server = ServerProcess("--config", edited(
+                folder, ("# [axis.envelope]", "[axis.envelope]"), ("# stiffness = [", "stiffness = ["),
+                ("# damping = [2.0", "damping = [2.0"), ("# include_released_hand = t", "include_released_hand = t")))
+        cls.addClassCleanup(cls.server.__exit__, None)
+
+    def nominal(self, **loop):
+        request = stability.GetMWidthRequest(loop=stability.LoopParameters(**loop))
+        return self.server.stability.GetMWidth(request).m_width.nominal
+
+    def test_the_admitted_interval_is_that_of_every_hand(self):
+        m_width = self.server.stability.GetMWidth(stability.GetMWidthRequest()).m_width
+        self.assertEqual(m_width, self.server.state().m_width)
+        hands_to_hold = [(0, 0)] + [(k, b) for k in (100, 300, 900, 2000) for b in (2, 5, 20)]
+        edges = [self.nominal(hand_stiffness=k, hand_damping=b) for k, b in hands_to_hold]
+        lower, upper = max(edge.min for edge in edges), min(edge.max for edge in edges)
+        self.assertGreaterEqual(m_width.robust.min, lower)
+        self.assertLessEqual(m_width.robust.max, upper)
+        self.assertAlmostEqual(m_width.robust.min / lower, 1, delta=0.01)
+        self.assertAlmostEqual(m_width.robust.max / upper, 1, delta=0.01)
+        self.assertEqual((m_width.min_binding.hand_stiffness, m_width.min_binding.hand_damping), (2000, 2))
+        self.assertAlmostEqual(20 * math.log10(m_width.robust.min / m_width.admitted.min), 3, places=9)
+
+    def test_a_mass_that_only_the_nominal_hand_holds_is_refused_with_the_hand_that_binds(self):
+        lease = self.server.acquire()
+        m_width = self.server.state().m_width
+        mass = (m_width.robust.min + m_width.nominal.min) / 2
+        with self.assertRaises(grpc.RpcError) as caught:
+            self.server.set_mass(lease, mass)
+        report = stability_report(caught.exception)
+        self.assertGreater(report.gain_margin_db, 0)
+        self.assertIn("hand_stiffness at its greatest (2000)", report.binding)
+        self.assertEqual(self.server.set_mass(lease, report.nearest_admitted_mass).mass, report.nearest_admitted_mass)
+
+    def test_an_override_leaves_exactly_that_loop_and_an_envelope_of_its_own_replaces_the_axis_s(self):
+        request = stability.GetMWidthRequest(loop=stability.LoopParameters(cutoff_hz=10))
+        alone = self.server.stability.GetMWidth(request).m_width
+        self.assertEqual(alone.robust, alone.nominal)
+        request.envelope.CopyFrom(self.server.state().info.envelope)
+        self.assertEqual(self.server.stability.GetMWidth(request).m_width, self.server.state().m_width)
+
+
 class NoisyMassTest(unittest.TestCase):
     """An axis whose force noise is limited."""
 
     def test_a_noisy_mass_is_refused_with_the_nearest_quiet_one(self):
-        with tempfile.TemporaryDirectory() as folder, ServerProcess("--config", self.limited(folder)) as server:
+        with tempfile.TemporaryDirectory() as folder, ServerProcess(
+                "--config", edited(folder, ("# force_noise_limit = 0.05", "force_noise_limit = 0.01"))) as server:
             lease = server.acquire()
             with self.assertRaises(grpc.RpcError) as caught:
                 server.set_mass(lease, 1.5)
@@ -173,15 +240,6 @@ class NoisyMassTest(unittest.TestCase):
             self.assertAlmostEqual(granted.accuracy.force_noise, 0.01, delta=1e-6)
             self.assertLessEqual(granted.accuracy.force_noise, 0.01)
             self.assertEqual(server.state().info.force_noise_limit, 0.01)
-
-    @staticmethod
-    def limited(folder):
-        """The shipped configuration with a limit on the noise."""
-        shipped = pathlib.Path(__file__).resolve().parents[2] / "deploy/config/paper.toml"
-        text = shipped.read_text().replace("# force_noise_limit = 0.05", "force_noise_limit = 0.01")
-        config = pathlib.Path(folder) / "limited.toml"
-        config.write_text(text)
-        return config
 
 
 if __name__ == "__main__":

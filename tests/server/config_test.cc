@@ -65,6 +65,47 @@ TEST_F(ConfigTest, ReadsTheLimitOnForceNoiseWhereThereIsOne) {
               AllOf(HasSubstr("axis.gate.force_noise_limit is 0"), HasSubstr("above 0")));
 }
 
+TEST_F(ConfigTest, ReadsTheEnvelopeAroundTheLoopsOwnValues) {
+  std::string text = ReadFile(CONFIG_DIR "/paper.toml");
+  for (const std::string line : {"[axis.envelope]", "stiffness = [", "include_released_hand",
+                                 "[axis.tolerance]", "damping = [0.003"}) {
+    text.replace(text.find("# " + line), line.size() + 2, line);
+  }
+  const std::filesystem::path file = testing::TempDir() + "envelope.toml";
+  std::ofstream(file) << text;
+  const AxisConfig axis = LoadConfig(file).axes[0];
+  using Range = model::ParameterRange;
+  ASSERT_TRUE(axis.hand_envelope.has_value());
+  EXPECT_EQ(axis.hand_envelope->hand_stiffness, (Range{100, 2000}));
+  EXPECT_EQ(axis.hand_envelope->hand_damping, (Range{5, 5}));
+  EXPECT_EQ(axis.hand_envelope->hand_mass, (Range{0, 0}));
+  EXPECT_TRUE(axis.hand_envelope->include_released_hand);
+  ASSERT_TRUE(axis.device_tolerance.has_value());
+  EXPECT_EQ(axis.device_tolerance->device_mass, (Range{0.07, 0.07}));
+  EXPECT_EQ(axis.device_tolerance->device_damping, (Range{0.003, 0.01}));
+  const AxisConfig without = LoadConfig(CONFIG_DIR "/paper.toml").axes[0];
+  EXPECT_FALSE(without.hand_envelope.has_value());
+  EXPECT_FALSE(without.device_tolerance.has_value());
+}
+
+TEST_F(ConfigTest, RefusesAnEnvelopeThatIsNoneOrHasNotTheLoopItself) {
+  const auto with = [](const std::string& table) { return table + "\n[axis.gate]"; };
+  EXPECT_THAT(ErrorAfter("[axis.gate]", with("[axis.envelope]\nstiffness = [800, 2000]")),
+              AllOf(HasSubstr("axis.envelope.stiffness"), HasSubstr("own value, 700")));
+  EXPECT_THAT(ErrorAfter("[axis.gate]", with("[axis.envelope]\ndamping = [20, 2]")),
+              HasSubstr("its first number must not be above its second"));
+  EXPECT_THAT(ErrorAfter("[axis.gate]", with("[axis.envelope]\ndamping = [-1, 20]")),
+              HasSubstr("axis.envelope.damping is -1"));
+  EXPECT_THAT(ErrorAfter("[axis.gate]", with("[axis.envelope]\ndamping = 5")),
+              HasSubstr("allowed is [min, max]"));
+  EXPECT_THAT(ErrorAfter("[axis.gate]", with("[axis.envelope]\ninclude_released_hand = 1")),
+              HasSubstr("true or false"));
+  EXPECT_THAT(ErrorAfter("[axis.gate]", with("[axis.tolerance]\nstiffness = [1, 2]")),
+              HasSubstr("allowed are damping, mass"));
+  EXPECT_THAT(ErrorAfter("[axis.gate]", with("[axis.tolerance]\nmass = [0, 1]")),
+              HasSubstr("axis.tolerance.mass"));
+}
+
 TEST_F(ConfigTest, ReadsEveryShippedConfiguration) {
   int count = 0;
   for (const auto& entry : std::filesystem::directory_iterator(CONFIG_DIR)) {

@@ -52,7 +52,7 @@ TEST(CheckNumbers, IncludesTheHardLimits) {
 
 TEST(InadmissibleMass, TellsAPersonWhatWouldBeAccepted) {
   const AxisDescription axis = PaperAxis();
-  const StabilityGate gate(axis.loop, 3);
+  const StabilityGate gate(axis.loop, {.gain_margin_db = 3});
   const double mass = 1.2 * gate.range().nominal.max;
   const StabilityReport report = gate.Judge(mass, {.min = -50, .max = 50}, axis.kind);
   const Refusal refusal = InadmissibleMass(report, axis);
@@ -70,7 +70,8 @@ TEST(InadmissibleMass, TellsAPersonWhatWouldBeAccepted) {
 
 TEST(InadmissibleMass, OffersNoCutOffWhereNoneHelps) {
   const AxisDescription axis = PaperAxis();
-  StabilityReport report = StabilityGate(axis.loop, 3).Judge(40, {.min = -50, .max = 50}, axis.kind);
+  StabilityReport report =
+      StabilityGate(axis.loop, {.gain_margin_db = 3}).Judge(40, {.min = -50, .max = 50}, axis.kind);
   report.admitting_cutoff_hz.reset();
   EXPECT_THAT(InadmissibleMass(report, axis).message, Not(HasSubstr("cut-off")));
 }
@@ -79,7 +80,8 @@ TEST(InadmissibleMass, SaysWhyNothingIsAdmitted) {
   AxisDescription axis = PaperAxis();
   axis.loop.device_damping = 0;
   axis.loop.hand_damping = 0;
-  const StabilityReport report = StabilityGate(axis.loop, 3).Judge(0.1, {.min = -50, .max = 50}, axis.kind);
+  const StabilityReport report =
+      StabilityGate(axis.loop, {.gain_margin_db = 3}).Judge(0.1, {.min = -50, .max = 50}, axis.kind);
   const Refusal refusal = InadmissibleMass(report, axis);
   EXPECT_EQ(refusal.reason, kUnstableMass);
   EXPECT_THAT(refusal.message, HasSubstr(report.range.admitted.empty_reason));
@@ -89,7 +91,7 @@ TEST(InadmissibleMass, SaysWhyNothingIsAdmitted) {
 TEST(InadmissibleMass, TellsTheNoiseItsLimitAndAMassThatKeepsIt) {
   AxisDescription axis = PaperAxis();
   axis.force_noise_limit = 0.01;
-  const StabilityGate gate(axis.loop, 3, axis.NoiseLimit());
+  const StabilityGate gate(axis.loop, axis.Requirements());
   const StabilityReport report = gate.Judge(1.2, {.min = -50, .max = 50}, axis.kind);
   const Refusal refusal = InadmissibleMass(report, axis);
   EXPECT_EQ(refusal.code, RefusalCode::kFailedPrecondition);

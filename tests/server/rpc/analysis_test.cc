@@ -92,6 +92,11 @@ TEST_F(AnalysisTest, NamesWhatIsWrongWithAFrequencyResponse) {
       {"count", [](Request& request) { request.set_count(1); }},
       {"count", [](Request& request) { request.set_count(10'001); }},
       {"model", [](Request& request) { request.set_model(static_cast<v1::ResponseModel>(7)); }},
+      {"model",
+       [](Request& request) {
+         request.set_model(v1::RESPONSE_MODEL_CONTINUOUS);
+         request.mutable_loop()->set_estimator(v1::ESTIMATOR_KIND_KALMAN);
+       }},
       {"device_mass", [](Request& request) { request.mutable_loop()->set_device_mass(0); }},
   };
   for (const auto& [field, spoil] : faults) {

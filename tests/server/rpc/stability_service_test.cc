@@ -4,6 +4,8 @@
 
 #include <functional>
 #include <limits>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/server/rpc/served_axis.h"
@@ -89,6 +91,70 @@ TEST_F(StabilityServiceTest, GivesAReasonInPlaceOfARangeWhereNothingDamps) {
   EXPECT_TRUE(response.m_width().admitted().empty());
   EXPECT_FALSE(response.m_width().nominal().empty_reason().empty());
   EXPECT_EQ(response.m_width().nominal().max(), 0);
+}
+
+TEST_F(StabilityServiceTest, ProvesTheRobustIntervalOfAnEnvelope) {
+  v1::GetMWidthRequest request;
+  request.mutable_envelope()->mutable_stiffness()->set_min(100);
+  request.mutable_envelope()->mutable_stiffness()->set_max(2000);
+  request.mutable_envelope()->set_include_released_hand(true);
+  v1::GetMWidthResponse response;
+  ASSERT_TRUE(Call(&v1::StabilityService::Stub::GetMWidth, *stability, request, response).ok());
+  const v1::MWidth& m_width = response.m_width();
+  EXPECT_GT(m_width.robust().min(), m_width.nominal().min());
+  EXPECT_LT(m_width.robust().max(), m_width.nominal().max());
+  EXPECT_EQ(m_width.min_binding().hand_stiffness(), 2000);
+  EXPECT_EQ(m_width.min_binding().hand_damping(), 5);
+  // The edge of the loop that binds, to half a percent.
+  v1::GetMWidthResponse binding;
+  ASSERT_TRUE(GetMWidth(m_width.min_binding(), binding).ok());
+  EXPECT_NEAR(m_width.robust().min() / binding.m_width().nominal().min(), 1, 0.01);
+  // A tolerance alone leaves the hand the loop's own.
+  request.clear_envelope();
+  request.mutable_tolerance()->mutable_mass()->set_min(0.06);
+  request.mutable_tolerance()->mutable_mass()->set_max(0.08);
+  ASSERT_TRUE(Call(&v1::StabilityService::Stub::GetMWidth, *stability, request, response).ok());
+  EXPECT_EQ(response.m_width().max_binding().hand_stiffness(), 700);
+  EXPECT_LT(response.m_width().robust().max(), response.m_width().nominal().max());
+}
+
+TEST_F(StabilityServiceTest, NamesTheRangeThatIsEmptyOrNotAllowed) {
+  using Envelope = v1::HandEnvelope;
+  const std::vector<std::pair<std::string, std::function<void(Envelope&)>>> faults = {
+      {"hand_stiffness", [](Envelope& hand) { hand.mutable_stiffness()->set_min(1); }},
+      {"hand_stiffness", [](Envelope& hand) { hand.mutable_stiffness()->set_max(1e7); }},
+      {"hand_damping", [](Envelope& hand) { hand.mutable_damping()->set_min(-1); }},
+      {"hand_mass",
+       [](Envelope& hand) { hand.mutable_mass()->set_max(std::numeric_limits<double>::quiet_NaN()); }},
+  };
+  for (const auto& [field, spoil] : faults) {
+    v1::GetMWidthRequest request;
+    spoil(*request.mutable_envelope());
+    v1::GetMWidthResponse response;
+    const grpc::Status refused = Call(&v1::StabilityService::Stub::GetMWidth, *stability, request, response);
+    ExpectStatus(refused, StatusCode::INVALID_ARGUMENT, "INVALID_NUMBER");
+    EXPECT_EQ(DetailsOf(refused).info.metadata().at("field"), field);
+  }
+}
+
+TEST_F(StabilityServiceTest, KnowsEveryEstimator) {
+  double previous = 0;
+  for (int kind = 1; kind <= 4; ++kind) {
+    v1::LoopParameters loop;
+    loop.set_estimator(static_cast<v1::EstimatorKind>(kind));
+    v1::GetMWidthResponse response;
+    ASSERT_TRUE(GetMWidth(loop, response).ok()) << kind;
+    EXPECT_EQ(response.loop().estimator(), kind);
+    EXPECT_GT(response.m_width().nominal().max(), 0);
+    EXPECT_NE(response.m_width().nominal().max(), previous);
+    previous = response.m_width().nominal().max();
+  }
+  v1::LoopParameters loop;
+  loop.set_estimator(static_cast<v1::EstimatorKind>(5));
+  v1::GetMWidthResponse response;
+  const grpc::Status refused = GetMWidth(loop, response);
+  ExpectStatus(refused, StatusCode::INVALID_ARGUMENT, "INVALID_NUMBER");
+  EXPECT_EQ(DetailsOf(refused).info.metadata().at("field"), "estimator");
 }
 
 TEST_F(StabilityServiceTest, KnowsOnlyItsAxes) {

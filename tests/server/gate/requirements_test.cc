@@ -1,0 +1,34 @@
+#include "server/gate/requirements.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/server/gate/axis_fixture.h"
+
+namespace mwidth::gate {
+namespace {
+
+TEST(Requirements, AssumeTheLoopItselfWhereNothingElseIsAsked) {
+  model::LoopParameters loop = PaperAxis().loop;
+  EXPECT_TRUE(AssumesOneLoop(loop, {}));
+  loop.delay_s = 1e-3;
+  EXPECT_FALSE(AssumesOneLoop(loop, {}));
+  EXPECT_EQ(AssumedLoops(loop, {}), model::EnvelopeOf(loop));
+}
+
+TEST(Requirements, PutTheirHandsAndDevicesAroundTheLoop) {
+  const model::LoopParameters loop = PaperAxis().loop;
+  Requirements requirements{.hand = model::EnvelopeOf(loop).hand};
+  EXPECT_TRUE(AssumesOneLoop(loop, requirements));
+  requirements.hand->include_released_hand = true;
+  EXPECT_FALSE(AssumesOneLoop(loop, requirements));
+  requirements = {.device = model::DeviceTolerance{.device_mass = {.min = 0.06, .max = 0.08},
+                                                   .device_damping = {.min = 0, .max = 1}}};
+  const model::LoopEnvelope assumed = AssumedLoops(loop, requirements);
+  EXPECT_EQ(assumed.device, requirements.device);
+  EXPECT_EQ(assumed.hand, model::EnvelopeOf(loop).hand);
+  EXPECT_EQ(assumed.cutoff_hz, loop.cutoff_hz);
+  EXPECT_FALSE(AssumesOneLoop(loop, requirements));
+}
+
+}  // namespace
+}  // namespace mwidth::gate
