@@ -34,8 +34,8 @@ AxisGate::AxisGate(AxisDescription description, exchange::Crossing& crossing, co
       crossing_(crossing),
       clock_(clock),
       wait_(std::move(wait)),
-      stability_(
-          std::make_shared<const StabilityGate>(description_.loop, description_.Requirements(), certificates_)),
+      stability_(std::make_shared<const StabilityGate>(description_.loop, description_.Requirements(),
+                                                       certificates_)),
       loop_(crossing, FilterOf(description_.loop)) {}
 
 std::shared_ptr<const StabilityGate> AxisGate::stability() {

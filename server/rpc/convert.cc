@@ -136,7 +136,6 @@ void Convert(const gate::StabilityReport& report, v1::StabilityReport& message) 
 void Convert(const gate::AxisDescription& axis, v1::AxisInfo& message) {
   message.set_name(axis.name);
   message.set_kind(axis.kind == model::AxisKind::kLinear ? v1::AXIS_KIND_LINEAR : v1::AXIS_KIND_ROTARY);
-  Convert(axis.loop, *message.mutable_loop());
   message.set_mass_min(axis.mass_min);
   message.set_mass_max(axis.mass_max);
   message.set_force_limit(axis.force_limit);

@@ -21,6 +21,7 @@ void Convert(const model::HandEnvelope& hand, v1::HandEnvelope& message);
 void Convert(const model::DeviceTolerance& device, v1::DeviceTolerance& message);
 void Convert(const gate::MassRange& range, v1::MWidth& message);
 void Convert(const gate::StabilityReport& report, v1::StabilityReport& message);
+/// All but the loop, of which the filter may have changed since.
 void Convert(const gate::AxisDescription& axis, v1::AxisInfo& message);
 /// The expiry is told by the wall clock: the time to live from now, which is when a lease is granted or
 /// renewed.

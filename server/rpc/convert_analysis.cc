@@ -52,13 +52,6 @@ gate::Result<model::SweepRange> ReadRange(const std::string& side, const v1::Swe
                            .logarithmic = range.logarithmic()};
 }
 
-std::optional<gate::Refusal> CheckEstimator(const v1::LoopParameters& overrides) {
-  if (v1::EstimatorKind_IsValid(overrides.estimator())) {
-    return std::nullopt;
-  }
-  return gate::InvalidNumber("estimator", overrides.estimator(), "an EstimatorKind, 0 to 4");
-}
-
 model::ParameterRange Read(bool set, const v1::ParameterRange& range, double own) {
   return set ? model::ParameterRange{.min = range.min(), .max = range.max()}
              : model::ParameterRange{.min = own, .max = own};
@@ -66,9 +59,16 @@ model::ParameterRange Read(bool set, const v1::ParameterRange& range, double own
 
 }  // namespace
 
+std::optional<gate::Refusal> CheckEstimator(v1::EstimatorKind estimator) {
+  if (v1::EstimatorKind_IsValid(estimator)) {
+    return std::nullopt;
+  }
+  return gate::InvalidNumber("estimator", estimator, "an EstimatorKind, 0 to 4");
+}
+
 gate::Result<model::LoopParameters> ReadLoop(const model::LoopParameters& own,
                                              const v1::LoopParameters& overrides) {
-  if (auto refusal = CheckEstimator(overrides)) {
+  if (auto refusal = CheckEstimator(overrides.estimator())) {
     return *std::move(refusal);
   }
   const model::LoopParameters loop = Override(own, overrides);
@@ -115,7 +115,7 @@ gate::Result<double> ReadMass(double mass) {
 
 gate::Result<model::Sweep> ReadSweep(const model::LoopParameters& own,
                                      const v1::SweepMWidthRequest& request) {
-  if (auto refusal = CheckEstimator(request.loop())) {
+  if (auto refusal = CheckEstimator(request.loop().estimator())) {
     return *std::move(refusal);
   }
   // The loop is not validated by itself: what is swept is not used of it.

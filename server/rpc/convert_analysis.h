@@ -3,6 +3,8 @@
 // does not allow with INVALID_ARGUMENT (INVALID_NUMBER).
 #pragma once
 
+#include <optional>
+
 #include "mwidth/v1/stability.pb.h"
 #include "server/gate/mass_accuracy.h"
 #include "server/gate/refusal.h"
@@ -14,6 +16,9 @@
 #include "server/model/sweep_run.h"
 
 namespace mwidth::rpc {
+
+/// Why an estimator is none, if so; unspecified is fine.
+std::optional<gate::Refusal> CheckEstimator(v1::EstimatorKind estimator);
 
 /// `own` with the overrides of a request.
 gate::Result<model::LoopParameters> ReadLoop(const model::LoopParameters& own,

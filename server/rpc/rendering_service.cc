@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iostream>
+#include <memory>
 #include <utility>
 
 #include "server/gate/axis_gate.h"
@@ -20,7 +21,9 @@ constexpr std::size_t kMaxReasonBytes = 200;
 void Describe(AxisGate& gate, v1::AxisState& message) {
   const gate::AxisDescription& axis = gate.description();
   const LoopStatus status = gate.Status();
+  const std::shared_ptr<const gate::StabilityGate> stability = gate.stability();
   Convert(axis, *message.mutable_info());
+  Convert(stability->loop(), *message.mutable_info()->mutable_loop());
   message.set_state(Convert(status.state));
   if (status.state == exchange::State::kFault) {
     Convert(status.fault, *message.mutable_fault());
@@ -36,7 +39,7 @@ void Describe(AxisGate& gate, v1::AxisState& message) {
   message.set_controller(gate.Controller());
   message.set_realtime(axis.realtime);
   message.set_realtime_message(axis.realtime_message);
-  Convert(gate.stability()->range(), *message.mutable_m_width());
+  Convert(stability->range(), *message.mutable_m_width());
 }
 
 /// On one line of the log, whatever a client sent.
@@ -142,6 +145,27 @@ grpc::Status RenderingService::SetMass(grpc::ServerContext*, const v1::SetMassRe
         response->set_mass(grant.mass);
         Convert(grant.stability, *response->mutable_stability());
         Convert(grant.accuracy, *response->mutable_accuracy());
+        response->set_tick(grant.tick);
+      });
+}
+
+grpc::Status RenderingService::SetFilter(grpc::ServerContext*, const v1::SetFilterRequest* request,
+                                         v1::SetFilterResponse* response) {
+  return OnAxis(
+      "SetFilter", axes_, request->axis(),
+      [&](AxisGate& gate) -> gate::Result<gate::FilterGrant> {
+        if (auto refusal = CheckEstimator(request->estimator())) {
+          return *std::move(refusal);
+        }
+        const model::EstimatorKind running = gate.stability()->loop().estimator;
+        return gate.SetFilter(request->lease_id(),
+                              {.estimator = Estimator(request->estimator()).value_or(running),
+                               .cutoff_hz = request->cutoff_hz(),
+                               .validate_only = request->validate_only()});
+      },
+      [&](const gate::FilterGrant& grant) {
+        Convert(grant.loop, *response->mutable_loop());
+        Convert(grant.stability, *response->mutable_stability());
         response->set_tick(grant.tick);
       });
 }

@@ -29,6 +29,8 @@ class RenderingService final : public v1::RenderingService::Service {
                              v1::StopRenderingResponse* response) override;
   grpc::Status SetMass(grpc::ServerContext* context, const v1::SetMassRequest* request,
                        v1::SetMassResponse* response) override;
+  grpc::Status SetFilter(grpc::ServerContext* context, const v1::SetFilterRequest* request,
+                         v1::SetFilterResponse* response) override;
   grpc::Status EmergencyStop(grpc::ServerContext* context, const v1::EmergencyStopRequest* request,
                              v1::EmergencyStopResponse* response) override;
   grpc::Status ClearFault(grpc::ServerContext* context, const v1::ClearFaultRequest* request,

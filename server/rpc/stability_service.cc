@@ -79,14 +79,13 @@ grpc::Status StabilityService::GetMWidth(grpc::ServerContext*, const v1::GetMWid
       "GetMWidth", axes_, request->axis(),
       [&](gate::AxisGate& gate) -> gate::Result<gate::StabilityGate> {
         if (AsksOfTheAxisItself(*request)) {
-          return gate.stability();
+          return *gate.stability();
         }
-        const gate::AxisDescription& axis = gate.description();
-        const auto loop = ReadLoop(axis.loop, request->loop());
+        const auto loop = ReadLoop(gate.stability()->loop(), request->loop());
         if (!loop.ok()) {
           return loop.refusal();
         }
-        const auto requirements = ReadAssumptions(axis.Requirements(), *loop, *request);
+        const auto requirements = ReadAssumptions(gate.description().Requirements(), *loop, *request);
         if (!requirements.ok()) {
           return requirements.refusal();
         }
@@ -118,7 +117,7 @@ grpc::Status StabilityService::SweepMWidth(grpc::ServerContext* context,
     if (!axis.ok()) {
       return ToStatus(axis.refusal());
     }
-    const gate::Result<model::Sweep> sweep = ReadSweep((*axis)->gate.description().loop, *request);
+    const gate::Result<model::Sweep> sweep = ReadSweep((*axis)->gate.stability()->loop(), *request);
     if (!sweep.ok()) {
       return ToStatus(sweep.refusal());
     }
@@ -141,7 +140,7 @@ grpc::Status StabilityService::GetFrequencyResponse(grpc::ServerContext*,
                                                     v1::GetFrequencyResponseResponse* response) {
   return OnAxis(
       "GetFrequencyResponse", axes_, request->axis(),
-      [&](gate::AxisGate& gate) { return Read(gate.description().loop, *request); },
+      [&](gate::AxisGate& gate) { return Read(gate.stability()->loop(), *request); },
       [&](const FrequencyResponseQuery& query) {
         Convert(query.loop, *response->mutable_loop());
         Convert(model::ComputeBode(query.loop, query.mass, query.frequencies, query.model), *response);
@@ -155,13 +154,12 @@ grpc::Status StabilityService::GetAccuracy(grpc::ServerContext*, const v1::GetAc
     if (!axis.ok()) {
       return ToStatus(axis.refusal());
     }
-    const gate::AxisDescription& description = (*axis)->gate.description();
-    const gate::Result<AccuracyQuery> query = Read(description.loop, *request);
+    const gate::Result<AccuracyQuery> query = Read((*axis)->gate.stability()->loop(), *request);
     if (!query.ok()) {
       return ToStatus(query.refusal());
     }
-    gate::MassAccuracy accuracy =
-        gate::PredictAccuracy(query->loop, query->mass, query->band, description.position_quantum);
+    gate::MassAccuracy accuracy = gate::PredictAccuracy(query->loop, query->mass, query->band,
+                                                        (*axis)->gate.description().position_quantum);
     if (request->simulate()) {
       const ComputationLimit::Place place(computations_);
       if (!place.taken()) {

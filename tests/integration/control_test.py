@@ -176,5 +176,39 @@ class ControlTest(unittest.TestCase):
         self.assertEqual(self.server.state().controller, "next")
 
 
+class FilterTest(unittest.TestCase):
+    def test_the_filter_changes_while_a_mass_is_rendered_and_the_mass_comes_back(self):
+        with ServerProcess("--config", "paper") as server:
+            lease = server.acquire()
+            server.set_mass(lease, 0.3)
+            server.start(lease)
+            answer = server.set_filter(lease, 20, estimator=stability.ESTIMATOR_KIND_KALMAN)
+            self.assertEqual(answer.loop.cutoff_hz, 20)
+            self.assertGreater(answer.tick, 0)
+            self.wait_for_mass(server, 0.3)
+            state = server.state()
+            self.assertEqual(state.state, rendering.STATE_RENDERING)
+            self.assertEqual(state.info.loop, answer.loop)
+            self.assertEqual(state.m_width, answer.stability.m_width)
+
+    def test_a_filter_that_the_mass_is_not_stable_with_is_refused_and_both_stay(self):
+        with ServerProcess("--config", "paper") as server:
+            lease = server.acquire()
+            server.set_mass(lease, 1.5)
+            with self.assertRaises(grpc.RpcError) as caught:
+                server.set_filter(lease, 100)
+            self.assertEqual(caught.exception.code(), grpc.StatusCode.FAILED_PRECONDITION)
+            self.assertEqual(server.state().info.loop.cutoff_hz, 10)
+            server.start(lease)
+            self.wait_for_mass(server, 1.5)
+
+    def wait_for_mass(self, server, mass):
+        for _ in range(500):
+            if server.state().mass == mass:
+                return
+            time.sleep(0.01)
+        self.fail(f"the mass did not reach {mass}: {server.state().mass}")
+
+
 if __name__ == "__main__":
     unittest.main()

@@ -66,5 +66,8 @@ class ServerProcess:
     def start(self, lease_id):
         return self.rendering.StartRendering(rendering.StartRenderingRequest(lease_id=lease_id))
 
+    def set_filter(self, lease_id, cutoff_hz, **more):
+        return self.rendering.SetFilter(rendering.SetFilterRequest(lease_id=lease_id, cutoff_hz=cutoff_hz, **more))
+
     def set_mass(self, lease_id, mass, **more):
         return self.rendering.SetMass(rendering.SetMassRequest(lease_id=lease_id, mass=mass, **more))

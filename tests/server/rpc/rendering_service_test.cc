@@ -111,6 +111,65 @@ TEST_F(RenderingServiceTest, RefusesAnUnstableMassWithTheReportAndLeavesTheOldOn
   EXPECT_TRUE(SetMass(lease, details.report->nearest_admitted_mass()).ok());
 }
 
+TEST_F(RenderingServiceTest, ChangesTheFilterAndFromThenOnEverythingThatFollowsFromIt) {
+  v1::SetFilterRequest request;
+  request.set_lease_id(Render(0.1));
+  request.set_cutoff_hz(20);
+  request.set_validate_only(true);
+  v1::SetFilterResponse response;
+  ASSERT_TRUE(Call(&Rendering::SetFilter, *rendering, request, response).ok());
+  EXPECT_EQ(response.tick(), 0U);
+  EXPECT_EQ(response.loop().cutoff_hz(), 20);
+  EXPECT_EQ(State().info().loop().cutoff_hz(), 10);
+
+  const v1::MWidth before = State().m_width();
+  request.set_validate_only(false);
+  request.set_estimator(v1::ESTIMATOR_KIND_BUTTERWORTH);
+  ASSERT_TRUE(Call(&Rendering::SetFilter, *rendering, request, response).ok());
+  EXPECT_GT(response.tick(), 0U);
+  EXPECT_EQ(response.loop().estimator(), v1::ESTIMATOR_KIND_BUTTERWORTH);
+  EXPECT_EQ(response.stability().requested_mass(), 0.1);
+  const v1::AxisState after = State();
+  EXPECT_EQ(after.info().loop().SerializeAsString(), response.loop().SerializeAsString());
+  EXPECT_NE(after.m_width().nominal().max(), before.nominal().max());
+  v1::GetMWidthResponse own;
+  ASSERT_TRUE(Call(&v1::StabilityService::Stub::GetMWidth, *stability, v1::GetMWidthRequest(), own).ok());
+  EXPECT_EQ(own.loop().SerializeAsString(), response.loop().SerializeAsString());
+  EXPECT_EQ(own.m_width().SerializeAsString(), after.m_width().SerializeAsString());
+
+  // Unspecified: the running estimator.
+  request.clear_estimator();
+  request.set_cutoff_hz(15);
+  ASSERT_TRUE(Call(&Rendering::SetFilter, *rendering, request, response).ok());
+  EXPECT_EQ(response.loop().estimator(), v1::ESTIMATOR_KIND_BUTTERWORTH);
+}
+
+TEST_F(RenderingServiceTest, RefusesAFilterThatIsNoneOrThatTheMassIsNotStableWith) {
+  v1::SetFilterRequest request;
+  request.set_lease_id(Render(1.5));
+  request.set_cutoff_hz(100);
+  v1::SetFilterResponse response;
+  const grpc::Status unstable = Call(&Rendering::SetFilter, *rendering, request, response);
+  ExpectStatus(unstable, StatusCode::FAILED_PRECONDITION, "UNSTABLE_MASS");
+  EXPECT_EQ(DetailsOf(unstable).report->loop().cutoff_hz(), 100);
+  for (const double cutoff_hz : {0.0, -1.0, 501.0, kNan}) {
+    request.set_cutoff_hz(cutoff_hz);
+    ExpectStatus(Call(&Rendering::SetFilter, *rendering, request, response), StatusCode::INVALID_ARGUMENT,
+                 "INVALID_NUMBER");
+  }
+  request.set_cutoff_hz(10);
+  request.set_estimator(static_cast<v1::EstimatorKind>(9));
+  const grpc::Status unknown = Call(&Rendering::SetFilter, *rendering, request, response);
+  ExpectStatus(unknown, StatusCode::INVALID_ARGUMENT, "INVALID_NUMBER");
+  EXPECT_EQ(DetailsOf(unknown).info.metadata().at("field"), "estimator");
+  request.clear_estimator();
+  request.set_lease_id("0123456789abcdef0123456789abcdef");
+  ExpectStatus(Call(&Rendering::SetFilter, *rendering, request, response), StatusCode::FAILED_PRECONDITION,
+               "NO_LEASE");
+  EXPECT_EQ(State().info().loop().cutoff_hz(), 10);
+  EXPECT_EQ(State().mass(), 1.5);
+}
+
 TEST_F(RenderingServiceTest, RefusesNumbersThatAreNoneOrOutOfRange) {
   const std::string lease = Render(0.5);
   for (const double mass : {kNan, kInf, -kInf}) {
