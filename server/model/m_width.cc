@@ -7,18 +7,12 @@
 #include "server/model/crossing.h"
 #include "server/model/estimator.h"
 #include "server/model/plant.h"
+#include "server/model/unit_circle.h"
 
 namespace mwidth::model {
 namespace {
 
 constexpr double kLowestCutoffHz = 0.1;
-
-// Frequency of z = e^(jt).
-double CriticalHz(const Crossing& crossing, double period_s) noexcept {
-  const double half_angle =
-      std::atan2(std::sqrt(crossing.half_sine_squared), std::sqrt(1 - crossing.half_sine_squared));
-  return half_angle / (std::numbers::pi * period_s);
-}
 
 }  // namespace
 
@@ -45,8 +39,8 @@ MWidth ComputeMWidth(const LoopParameters& loop) {
       lower = crossing;
     }
   }
-  m_width.lower = {.mass = lower.mass, .critical_hz = CriticalHz(lower, loop.period_s)};
-  m_width.upper = {.mass = upper.mass, .critical_hz = CriticalHz(upper, loop.period_s)};
+  m_width.lower = {.mass = lower.mass, .critical_hz = FrequencyHz(lower.half_sine_squared, loop.period_s)};
+  m_width.upper = {.mass = upper.mass, .critical_hz = FrequencyHz(upper.half_sine_squared, loop.period_s)};
   return m_width;
 }
 

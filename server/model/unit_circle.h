@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 
 #include "server/model/real_roots.h"
 
@@ -17,6 +18,16 @@ struct CirclePoint {
 
 inline CirclePoint PointAt(double half_sine_squared) noexcept {
   return {half_sine_squared, 1 - half_sine_squared};
+}
+
+/// The angle t, 0 to pi. Rt.
+inline double AngleAt(double half_sine_squared) noexcept {
+  return 2 * std::atan2(std::sqrt(half_sine_squared), std::sqrt(1 - half_sine_squared));
+}
+
+/// The frequency of z = e^(jt) in Hz. Rt.
+inline double FrequencyHz(double half_sine_squared, double period_s) noexcept {
+  return AngleAt(half_sine_squared) / (2 * std::numbers::pi * period_s);
 }
 
 /// The complex number re + j sin(t) im, with the sizes that re and im would have if nothing cancelled: the
