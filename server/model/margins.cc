@@ -63,7 +63,7 @@ bool Lower(Margin& worst, const Margin& margin) {
 }  // namespace
 
 Margins ComputeMargins(const LoopParameters& loop, double mass) {
-  return ComputeMargins(loop, PaperEstimator(loop.period_s, loop.cutoff_hz), ComputeMWidth(loop), mass);
+  return ComputeMargins(loop, EstimatorOf(loop), ComputeMWidth(loop), mass);
 }
 
 Margins ComputeMargins(const LoopParameters& loop, const LinearEstimator& estimator, const MWidth& m_width,

@@ -58,7 +58,7 @@ struct Margins {
   Margin modulus;
 };
 
-/// Margins of `mass` (finite) in the loop of `loop` with the paper's estimator.
+/// Margins of `mass` (finite) in the loop of `loop`.
 ///
 /// Towards an edge of the M-width the gain margin tends to 1, delay and modulus to 0, the phase margin too
 /// unless the edge is at half the sample rate, where a loop just below it may have |L| < 1 everywhere.
@@ -79,10 +79,10 @@ struct WorstMargins {
   std::size_t modulus_loop = 0;
 };
 
-/// Worst margins of `mass` among the given `loops`, at least one, each with the paper's estimator: the
-/// corners of an envelope and the points that bind its robust interval, say. No proof for the loops between
-/// them. (For the gain margin there is one: over an envelope it is the edge of the robust interval divided by
-/// the mass.) Throws std::invalid_argument without loops. Same conditions for each of them. Any thread.
+/// Worst margins of `mass` among the given `loops`, at least one: the corners of an envelope and the loops
+/// that bind its robust interval, say. No proof for the loops between them. (For the gain margin there is
+/// one: over an envelope it is the edge of the robust interval divided by the mass.) Throws
+/// std::invalid_argument without loops. Same conditions for each of them. Any thread.
 WorstMargins WorstMarginsAmong(std::span<const LoopParameters> loops, double mass);
 
 }  // namespace mwidth::model

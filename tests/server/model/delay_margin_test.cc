@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <numbers>
@@ -61,7 +62,8 @@ TEST(DelayMargin, KeepsEverySmallerMassStableUntilItIsUsedUp) {
   RandomLoops random(51);
   int finite = 0;
   for (int i = 0; i < 400; ++i) {
-    const LoopParameters loop = random.Next();
+    LoopParameters loop = random.Next();
+    loop.estimator = kEstimatorKinds.at(static_cast<std::size_t>(i) % kEstimatorKinds.size());
     const MWidth m_width = ComputeMWidth(loop);
     const double edge = random.Uniform(0, 1) < 0.5 ? m_width.lower.mass : m_width.upper.mass;
     const double mass = edge * (1 - random.LogUniform(1e-3, 1));
@@ -90,7 +92,8 @@ TEST(DelayMargin, KeepsEverySmallerMassStableUntilItIsUsedUp) {
 TEST(DelayMargin, IsNeverPassedByTheMWidth) {
   RandomLoops random(52);
   for (int i = 0; i < 1000; ++i) {
-    const LoopParameters loop = random.Next();
+    LoopParameters loop = random.Next();
+    loop.estimator = kEstimatorKinds.at(static_cast<std::size_t>(i) % kEstimatorKinds.size());
     const MWidth m_width = ComputeMWidth(loop);
     const double edge = random.Uniform(0, 1) < 0.5 ? m_width.lower.mass : m_width.upper.mass;
     const double mass = edge * (1 - random.LogUniform(1e-3, 1));

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <numbers>
 #include <vector>
@@ -21,13 +22,14 @@ struct Case {
   double mass;
 };
 
-// Masses from a thousandth of an edge to 0.999 of it, hands of all kinds.
+// Masses from a thousandth of an edge to 0.999 of it, hands and estimators of all kinds.
 std::vector<Case> Cases(int count) {
   RandomLoops random(41);
   std::vector<Case> cases;
   for (int i = 0; i < count; ++i) {
     LoopParameters loop = random.Next();
-    loop.hand_stiffness = i % 8 == 3 ? 0 : loop.hand_stiffness;
+    loop.hand_stiffness = i % 9 == 3 ? 0 : loop.hand_stiffness;
+    loop.estimator = kEstimatorKinds.at(static_cast<std::size_t>(i) / 2 % kEstimatorKinds.size());
     const MWidth m_width = ComputeMWidth(loop);
     const double share = i % 2 == 0 ? 1 - random.LogUniform(1e-3, 1) : random.LogUniform(1e-3, 1);
     cases.push_back({loop, share * (random.Uniform(0, 1) < 0.5 ? m_width.lower.mass : m_width.upper.mass)});

@@ -157,7 +157,7 @@ TEST(Margins, KnowAnyRationalEstimator) {
   const LoopParameters loop = TableTwo();
   LoopParameters later = loop;
   later.delay_s = loop.period_s;
-  LinearEstimator late = PaperEstimator(loop.period_s, loop.cutoff_hz);
+  LinearEstimator late = EstimatorOf(loop);
   late.denominator = Multiply(late.denominator, {1, 1});
   const MWidth m_width = ComputeMWidth(later);
   for (const double mass : {-0.08, 0.3, 0.6, 0.9, 1.01}) {

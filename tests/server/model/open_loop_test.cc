@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <cstddef>
 #include <numbers>
 #include <stdexcept>
 #include <vector>
@@ -18,15 +19,16 @@ namespace mwidth::model {
 namespace {
 
 OpenLoop OpenLoopOf(const LoopParameters& loop, double mass) {
-  return {Discretize(loop), PaperEstimator(loop.period_s, loop.cutoff_hz), mass};
+  return {Discretize(loop), EstimatorOf(loop), mass};
 }
 
-// Loops of all kinds: damped, released, released without friction.
+// Loops with all estimators: damped, released, released without friction.
 std::vector<LoopParameters> Loops() {
   RandomLoops random(21);
   std::vector<LoopParameters> loops;
   for (int i = 0; i < 150; ++i) {
     LoopParameters loop = random.Next();
+    loop.estimator = kEstimatorKinds.at(static_cast<std::size_t>(i) % kEstimatorKinds.size());
     if (i % 5 == 3) {
       loop.hand_stiffness = 0;
     }

@@ -4,22 +4,26 @@
 #include <boost/math/constants/constants.hpp>
 #include <cmath>
 #include <complex>
+#include <cstddef>
+#include <vector>
 
+#include "tests/server/model/reference_estimator.h"
 #include "tests/server/model/reference_sampled_plant.h"
 
 namespace mwidth::model {
 
-/// M C(z) G(z) z^-delay with the paper's estimator, T = long double or Real.
+/// M C(z) G(z) z^-delay, T = long double or Real.
 template <typename T>
 class ReferenceOpenLoop {
  public:
   using Complex = std::complex<T>;
 
   explicit ReferenceOpenLoop(const LoopParameters& loop) {
-    using std::exp;
     const ReferenceSampledPlant plant = DiscretizeIn50Digits(loop);
     ticks_ = plant.delay_ticks;
-    a_ = static_cast<T>(exp(-2 * boost::math::constants::pi<Real>() * loop.cutoff_hz * loop.period_s));
+    const ReferenceEstimator estimator = EstimatorIn50Digits(loop);
+    numerator_ = InDifferences(estimator.numerator);
+    denominator_ = InDifferences(estimator.denominator);
     gain_ = static_cast<T>(plant.gain / (Real(loop.period_s) * loop.period_s));
     n0_ = static_cast<T>(plant.hold[0]);
     n1_ = static_cast<T>(plant.hold[1]);
@@ -35,7 +39,7 @@ class ReferenceOpenLoop {
     const T half_sine = sin(angle / 2);
     const Complex w(-2 * half_sine * half_sine, sin(angle));
     const Complex z(cos(angle), sin(angle));
-    const Complex estimator = (1 - a_) * w * w / (z * (w + (1 - a_)));
+    const Complex estimator = w * w * At(numerator_, w) / At(denominator_, w);
     const Complex poles = w * w + (q_ + delta_) * w + q_;
     Complex value = T(mass) * gain_ * estimator * (n0_ * z * z + n1_ * z + n2_) / (z * poles);
     for (int i = 0; i < ticks_; ++i) {
@@ -55,12 +59,34 @@ class ReferenceOpenLoop {
   }
 
  private:
+  // In powers of w = z - 1, which long double needs near z = 1.
+  static std::vector<T> InDifferences(const RealPolynomial& polynomial) {
+    RealPolynomial shifted{0};
+    for (std::size_t k = polynomial.size(); k-- > 0;) {
+      shifted = Times(shifted, {1, 1});
+      shifted[0] += polynomial[k];
+    }
+    std::vector<T> result;
+    for (const Real& coefficient : shifted) {
+      result.push_back(static_cast<T>(coefficient));
+    }
+    return result;
+  }
+  static Complex At(const std::vector<T>& polynomial, const Complex& w) {
+    Complex value = 0;
+    for (std::size_t k = polynomial.size(); k-- > 0;) {
+      value = value * w + polynomial[k];
+    }
+    return value;
+  }
   static T Size(const Complex& value) {
     using std::sqrt;
     return sqrt(value.real() * value.real() + value.imag() * value.imag());
   }
 
-  T a_, gain_, n0_, n1_, n2_, q_, delta_;
+  std::vector<T> numerator_;
+  std::vector<T> denominator_;
+  T gain_, n0_, n1_, n2_, q_, delta_;
   int ticks_ = 0;
 };
 
