@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "server/gate/figures.h"
 #include "server/model/force_noise.h"
@@ -105,6 +106,7 @@ StabilityReport StabilityGate::Judge(double mass, const MassLimits& limits, mode
                          .loop = loop_,
                          .gain_margin_db = 20 * std::log10(model::GainMargin(m_width_, mass)),
                          .critical_hz = mass < 0 ? range_.min_critical_hz : range_.max_critical_hz,
+                         .margins = WorstMargins(mass),
                          .force_noise = {},
                          .binding = {},
                          .nearest_admitted_mass = NearestAdmitted(mass, range_.admitted, limits),
@@ -163,6 +165,15 @@ std::optional<double> StabilityGate::AdmittingCutoffHz(double mass) const {
     factor = std::max(factor, margin_factor_ * ratio) * kStep;
   }
   return std::nullopt;
+}
+
+model::Margins StabilityGate::WorstMargins(double mass) const {
+  std::vector<model::LoopParameters> loops{loop_};
+  if (certificate_ && !certificate_->empty()) {
+    loops.push_back(certificate_->lower.binding);
+    loops.push_back(certificate_->upper.binding);
+  }
+  return model::WorstMarginsAmong(loops, mass).margins;
 }
 
 std::string StabilityGate::Binding(const StabilityReport& report, model::AxisKind kind) const {

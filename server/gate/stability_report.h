@@ -5,6 +5,7 @@
 #include <string>
 
 #include "server/model/loop_parameters.h"
+#include "server/model/margins.h"
 
 namespace mwidth::gate {
 
@@ -53,6 +54,8 @@ struct StabilityReport {
   /// Frequency at which the loop that binds oscillates at its edge on this mass's side; 0 where the robust
   /// interval is empty.
   double critical_hz = 0;
+  /// The least of each margin among the nominal loop and the two that bind the robust interval.
+  model::Margins margins;
   /// Standard deviation of the force that the encoder's counts cause; none where the mass is unstable, or
   /// where the axis does not limit it.
   std::optional<double> force_noise;

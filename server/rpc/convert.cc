@@ -2,6 +2,9 @@
 
 #include <google/protobuf/util/time_util.h>
 
+#include <cmath>
+#include <numbers>
+
 #include "server/gate/state_words.h"
 
 namespace mwidth::rpc {
@@ -105,6 +108,18 @@ void Convert(const model::DeviceTolerance& device, v1::DeviceTolerance& message)
   Convert(device.device_damping, *message.mutable_damping());
 }
 
+void Convert(const model::Margins& margins, v1::StabilityMargins& message) {
+  message.set_gain_db(20 * std::log10(margins.gain.value));
+  message.set_gain_hz(margins.gain.critical_hz);
+  message.set_phase_deg(margins.phase_rad.value * 180 / std::numbers::pi);
+  message.set_phase_hz(margins.phase_rad.critical_hz);
+  message.set_delay_s(margins.delay.seconds);
+  message.set_delay_hz(margins.delay.critical_hz);
+  message.set_delay_at_least(margins.delay.at_least);
+  message.set_modulus(margins.modulus.value);
+  message.set_modulus_hz(margins.modulus.critical_hz);
+}
+
 void Convert(const gate::MassRange& range, v1::MWidth& message) {
   Convert(range.nominal, *message.mutable_nominal());
   Convert(range.robust, *message.mutable_robust());
@@ -131,6 +146,7 @@ void Convert(const gate::StabilityReport& report, v1::StabilityReport& message) 
   if (report.admitting_cutoff_hz) {
     message.set_admitting_cutoff_hz(*report.admitting_cutoff_hz);
   }
+  Convert(report.margins, *message.mutable_margins());
 }
 
 void Convert(const gate::AxisDescription& axis, v1::AxisInfo& message) {

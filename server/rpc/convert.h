@@ -11,6 +11,7 @@
 #include "server/gate/stability_report.h"
 #include "server/model/envelope.h"
 #include "server/model/loop_parameters.h"
+#include "server/model/margins.h"
 
 namespace mwidth::rpc {
 
@@ -19,6 +20,7 @@ void Convert(const exchange::FaultRecord& fault, v1::FaultInfo& message);
 void Convert(const model::LoopParameters& loop, v1::LoopParameters& message);
 void Convert(const model::HandEnvelope& hand, v1::HandEnvelope& message);
 void Convert(const model::DeviceTolerance& device, v1::DeviceTolerance& message);
+void Convert(const model::Margins& margins, v1::StabilityMargins& message);
 void Convert(const gate::MassRange& range, v1::MWidth& message);
 void Convert(const gate::StabilityReport& report, v1::StabilityReport& message);
 /// All but the loop, of which the filter may have changed since.

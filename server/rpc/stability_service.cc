@@ -3,6 +3,7 @@
 #include <string>
 
 #include "server/gate/stability_gate.h"
+#include "server/model/margins.h"
 #include "server/rpc/convert.h"
 #include "server/rpc/convert_analysis.h"
 #include "server/rpc/on_axis.h"
@@ -144,6 +145,7 @@ grpc::Status StabilityService::GetFrequencyResponse(grpc::ServerContext*,
       [&](const FrequencyResponseQuery& query) {
         Convert(query.loop, *response->mutable_loop());
         Convert(model::ComputeBode(query.loop, query.mass, query.frequencies, query.model), *response);
+        Convert(model::ComputeMargins(query.loop, query.mass), *response->mutable_margins());
       });
 }
 

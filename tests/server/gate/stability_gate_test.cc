@@ -205,6 +205,26 @@ TEST(StabilityGate, AdmitsWhatEveryHandOfTheEnvelopeHolds) {
   }
 }
 
+TEST(StabilityGate, TellsTheWorstMarginsOfTheLoopAndOfThoseThatBind) {
+  const StabilityGate alone(PaperLoop(), {.gain_margin_db = 3});
+  EXPECT_EQ(alone.Judge(0.3, kWide, kLinear).margins.modulus.value,
+            model::ComputeMargins(PaperLoop(), 0.3).modulus.value);
+  const StabilityGate gate(PaperLoop(), ManyHands());
+  for (const double mass : {0.9 * gate.range().admitted.min, 0.9 * gate.range().admitted.max}) {
+    const model::Margins worst = gate.Judge(mass, kWide, kLinear).margins;
+    EXPECT_TRUE(worst.stable);
+    const double robust = mass < 0 ? gate.range().robust.min : gate.range().robust.max;
+    EXPECT_NEAR(worst.gain.value, robust / mass, 0.01 * worst.gain.value);
+    const model::Margins nominal = model::ComputeMargins(PaperLoop(), mass);
+    EXPECT_LT(worst.gain.value, nominal.gain.value);
+    EXPECT_LE(worst.phase_rad.value, nominal.phase_rad.value);
+    EXPECT_LE(worst.delay.seconds, nominal.delay.seconds);
+    EXPECT_LE(worst.modulus.value, nominal.modulus.value);
+  }
+  EXPECT_FALSE(gate.Judge(5, kWide, kLinear).margins.stable);
+  EXPECT_EQ(gate.Judge(0, kWide, kLinear).margins.gain.value, std::numeric_limits<double>::infinity());
+}
+
 TEST(StabilityGate, NamesTheHandThatBinds) {
   const StabilityGate gate(PaperLoop(), ManyHands());
   const StabilityReport lower = gate.Judge(-1, kWide, kLinear);

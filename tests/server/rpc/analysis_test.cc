@@ -57,6 +57,8 @@ TEST_F(AnalysisTest, GivesTheFrequencyResponseOfTheSampledLoop) {
   EXPECT_NEAR(response.magnitude_db(0), 0, 1e-9);
   EXPECT_NEAR(std::abs(response.phase_deg(0)), 180, 1e-9);
   EXPECT_EQ(response.loop().SerializeAsString(), own.loop().SerializeAsString());
+  EXPECT_NEAR(response.margins().gain_db(), 0, 1e-12);
+  EXPECT_NEAR(response.margins().modulus(), 0, 1e-9);
   // At the edge itself nothing settles.
   EXPECT_EQ(response.effective_mass_ratio_size(), 0);
   EXPECT_THAT(response.effective_missing_reason(), HasSubstr("unstable"));
@@ -76,6 +78,11 @@ TEST_F(AnalysisTest, GivesTheEffectiveRatiosOfAStableMass) {
     EXPECT_EQ(response.effective_damping_ratio_size(), 11);
     EXPECT_NEAR(response.effective_mass_ratio(0), 4, 0.03);
     EXPECT_EQ(response.effective_missing_reason(), "");
+    EXPECT_NEAR(response.margins().gain_db(), 20 * std::log10(34.2468304 / 3), 1e-6);
+    EXPECT_GT(response.margins().phase_deg(), 0);
+    EXPECT_GT(response.margins().delay_s(), 0);
+    EXPECT_GT(response.margins().modulus(), 0);
+    EXPECT_LT(response.margins().modulus(), 1);
   }
 }
 

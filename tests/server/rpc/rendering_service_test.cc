@@ -88,6 +88,10 @@ TEST_F(RenderingServiceTest, AnswersASetMassWithItsStability) {
   ASSERT_TRUE(Call(&Rendering::SetMass, *rendering, request, response).ok());
   EXPECT_EQ(response.mass(), -0.03);
   EXPECT_GT(response.stability().gain_margin_db(), 3);
+  EXPECT_NEAR(response.stability().margins().gain_db(), response.stability().gain_margin_db(), 1e-9);
+  EXPECT_GT(response.stability().margins().phase_deg(), 0);
+  EXPECT_GT(response.stability().margins().delay_s(), 0);
+  EXPECT_GT(response.stability().margins().modulus(), 0);
   EXPECT_NEAR(response.accuracy().ideal_mass(), 0.04, 1e-15);
   EXPECT_GT(response.accuracy().error(), 0);
   EXPECT_GT(response.accuracy().force_noise(), 0);
