@@ -67,8 +67,8 @@ TEST_F(ConfigTest, ReadsTheLimitOnForceNoiseWhereThereIsOne) {
 
 TEST_F(ConfigTest, ReadsTheEnvelopeAroundTheLoopsOwnValues) {
   std::string text = ReadFile(CONFIG_DIR "/paper.toml");
-  for (const std::string line : {"[axis.envelope]", "stiffness = [", "include_released_hand",
-                                 "[axis.tolerance]", "damping = [0.003"}) {
+  for (const std::string line : {"[axis.envelope]", "stiffness = [",
+                                 "include_released_hand =", "[axis.tolerance]", "damping = [0.003"}) {
     text.replace(text.find("# " + line), line.size() + 2, line);
   }
   const std::filesystem::path file = testing::TempDir() + "envelope.toml";

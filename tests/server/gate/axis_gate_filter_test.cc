@@ -158,8 +158,8 @@ TEST(AxisGateFilterRace, NeverPostsAMassThatItsFilterDoesNotAdmit) {
       model::LoopParameters parameters = PaperAxis().loop;
       parameters.estimator = static_cast<EstimatorKind>(settings.filter.estimator);
       parameters.cutoff_hz = settings.filter.cutoff_hz;
-      const auto [judge, is_new] =
-          judges.try_emplace({settings.filter.estimator, settings.filter.cutoff_hz}, parameters, 3);
+      const auto [judge, is_new] = judges.try_emplace({settings.filter.estimator, settings.filter.cutoff_hz},
+                                                      parameters, Requirements{.gain_margin_db = 3});
       EXPECT_TRUE(
           judge->second.Judge(settings.mass, {.min = -50, .max = 50}, model::AxisKind::kLinear).admitted)
           << settings.mass;

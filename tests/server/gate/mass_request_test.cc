@@ -100,7 +100,7 @@ TEST(InadmissibleMass, TellsTheNoiseItsLimitAndAMassThatKeepsIt) {
   EXPECT_GT(std::stod(refusal.metadata.at("force_noise")), 0.01);
   EXPECT_THAT(refusal.message, HasSubstr(refusal.metadata.at("force_noise") + " N on the force"));
   EXPECT_THAT(refusal.message, HasSubstr("0.01 N are allowed"));
-  EXPECT_THAT(refusal.message, HasSubstr("cut-off at "));
+  EXPECT_THAT(refusal.message, HasSubstr("set the filter's cut-off to "));
   const double typed = std::stod(refusal.metadata.at("nearest_admitted_mass"));
   EXPECT_THAT(refusal.message, HasSubstr("Ask for " + refusal.metadata.at("nearest_admitted_mass") + " kg"));
   EXPECT_TRUE(gate.Judge(typed, {.min = -50, .max = 50}, axis.kind).admitted);

@@ -62,6 +62,12 @@ TEST(OpenLoop, SizesOnItsArcsAreThoseOfItsValues) {
     for (const double mass : {0.9 * m_width.upper.mass, 0.9 * m_width.lower.mass}) {
       const OpenLoop open = OpenLoopOf(loop, mass);
       for (const OpenLoopOnArc& on : open.Arcs()) {
+        // A Butterworth filter takes the step away at z = -1: there only the size elsewhere measures the
+        // rounding.
+        double largest_step = 0;
+        for (const double x : {1e-3, 0.2, 0.5, 0.8, 1.0}) {
+          largest_step = std::max(largest_step, open.StepSize(on.arc.HalfSineSquared(x)));
+        }
         for (const double x : {1e-3, 0.2, 0.5, 0.8, 1.0}) {
           const double s = on.arc.HalfSineSquared(x);
           const OpenLoopValue value = open.At(s);
@@ -70,7 +76,7 @@ TEST(OpenLoop, SizesOnItsArcsAreThoseOfItsValues) {
           EXPECT_NEAR(Evaluate(on.bottom_squared, x), std::norm(value.bottom), 1e-9 * size);
           EXPECT_NEAR(Evaluate(on.sum_squared, x), std::norm(value.top + value.bottom), 1e-9 * size);
           const double step = open.StepSize(s);
-          EXPECT_NEAR(Evaluate(on.step_squared, x), step * step, 1e-11 * step * step);
+          EXPECT_NEAR(Evaluate(on.step_squared, x), step * step, 1e-11 * largest_step * largest_step);
           // Im L has the same sign up to a factor that keeps its own, if it is not lost in rounding.
           const double turn = std::imag(value.top * std::conj(value.bottom));
           if (s < 1 && std::abs(turn) > 1e-7 * std::abs(value.top * value.bottom)) {

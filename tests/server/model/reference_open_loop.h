@@ -73,7 +73,7 @@ class ReferenceOpenLoop {
     return result;
   }
   static Complex At(const std::vector<T>& polynomial, const Complex& w) {
-    Complex value = 0;
+    Complex value(T(0), T(0));
     for (std::size_t k = polynomial.size(); k-- > 0;) {
       value = value * w + polynomial[k];
     }
