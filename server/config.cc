@@ -83,7 +83,8 @@ std::optional<model::HandEnvelope> ReadHandEnvelope(ConfigTable& axis, const mod
   return envelope;
 }
 
-std::optional<model::DeviceTolerance> ReadDeviceTolerance(ConfigTable& axis, const model::LoopParameters& loop) {
+std::optional<model::DeviceTolerance> ReadDeviceTolerance(ConfigTable& axis,
+                                                          const model::LoopParameters& loop) {
   std::optional<ConfigTable> table = axis.OptionalTable("tolerance");
   if (!table) {
     return std::nullopt;
