@@ -1,5 +1,6 @@
 #include "client/cli/interrupt.h"
 
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <ctime>
@@ -7,13 +8,21 @@
 namespace mwidth::cli {
 namespace {
 
+// A shell and its `timeout` may both pass on what was one Ctrl-C: what follows within this time says nothing
+// new.
+constexpr std::chrono::seconds kOneInterrupt{1};
+
 void WaitForSignals(const std::stop_token& end, const std::stop_source& interrupted,
                     const sigset_t& signals) {
   // sigtimedwait cannot wait for a stop token too, hence the short turns.
   const timespec turn{.tv_sec = 0, .tv_nsec = 50'000'000};
+  std::chrono::steady_clock::time_point first;
   while (!end.stop_requested()) {
     const int signal = sigtimedwait(&signals, nullptr, &turn);
-    if (signal > 0 && !interrupted.request_stop()) {
+    const auto now = std::chrono::steady_clock::now();
+    if (signal > 0 && interrupted.request_stop()) {
+      first = now;
+    } else if (signal > 0 && now - first > kOneInterrupt) {
       std::_Exit(128 + signal);
     }
   }

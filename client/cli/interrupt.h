@@ -7,7 +7,8 @@
 namespace mwidth::cli {
 
 /// While it lives, SIGINT, SIGTERM and SIGHUP request stop instead of ending the process, so that the caller
-/// can give control back. A second one ends it at once; the lease then expires by itself.
+/// can give control back. Another one, more than a second later, ends it at once; the lease then expires by
+/// itself.
 ///
 /// Construct it before any other thread starts: the threads inherit the mask that keeps the signals for this
 /// one.

@@ -132,7 +132,9 @@ TEST_F(MwidthTest, CtrlCEndsAHoldWithTheMassBackAtZero) {
     FakeServer server;
     const auto outcome = RunProgram(MWIDTH_PROGRAM, {"set-mass", "0.1"}, server.address(), [&](int pid) {
       EXPECT_TRUE(server.WaitForCall("SetMass"));
+      // As `timeout` does it: to the program, then to its whole group.
       kill(pid, signal);
+      kill(pid, SIGHUP);
     });
     EXPECT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_THAT(outcome.out, HasSubstr("Holding it until Ctrl-C."));
