@@ -3,6 +3,8 @@
 #include <cerrno>
 #include <ctime>
 
+#include "server/exchange/cpu_pause.h"
+
 namespace mwidth::exchange {
 namespace {
 
@@ -19,8 +21,14 @@ int64_t MonotonicClock::NowNs() const noexcept {
 }
 
 void MonotonicClock::SleepUntilNs(int64_t deadline_ns) noexcept {
-  const timespec deadline{.tv_sec = deadline_ns / kNsPerSecond, .tv_nsec = deadline_ns % kNsPerSecond};
-  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &deadline, nullptr) == EINTR) {
+  const int64_t wake_ns = deadline_ns - spin_ns_;
+  const timespec wake{.tv_sec = wake_ns / kNsPerSecond, .tv_nsec = wake_ns % kNsPerSecond};
+  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &wake, nullptr) == EINTR) {
+  }
+  if (spin_ns_ > 0) {
+    while (NowNs() < deadline_ns) {
+      PauseCpu();
+    }
   }
 }
 

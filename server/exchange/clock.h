@@ -21,11 +21,17 @@ class Clock {
   virtual void SleepUntilNs(int64_t deadline_ns) noexcept = 0;
 };
 
-/// CLOCK_MONOTONIC.
+/// CLOCK_MONOTONIC, which no setting of the wall clock moves.
 class MonotonicClock final : public Clock {
  public:
+  /// The last `spin_ns` (0 or more) before a deadline are polled instead of slept through: they cost CPU time
+  /// and spare the wake-up.
+  explicit MonotonicClock(int64_t spin_ns = 0) noexcept : spin_ns_(spin_ns) {}
   int64_t NowNs() const noexcept override;
   void SleepUntilNs(int64_t deadline_ns) noexcept override;
+
+ private:
+  int64_t spin_ns_;
 };
 
 /// Time that passes only as the loop sleeps, `speed` times as fast as real time: a simulated axis never

@@ -56,6 +56,9 @@ RealtimeReport Loop::Start() {
     Run();
   });
   reported_.wait(false, std::memory_order_acquire);
+  if (config_.realtime.priority > 0 && !config_.realtime.allow_deep_idle) {
+    AddRefusal(cpu_latency_.emplace().refusal(), report_);
+  }
   return report_;
 }
 
@@ -64,6 +67,7 @@ void Loop::Stop() noexcept {
   if (thread_.joinable()) {
     thread_.join();
   }
+  cpu_latency_.reset();
 }
 
 // Rt from the first sleep on.

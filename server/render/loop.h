@@ -3,11 +3,13 @@
 
 #include <atomic>
 #include <cstdint>
+#include <optional>
 #include <thread>
 
 #include "device/drive.h"
 #include "server/exchange/clock.h"
 #include "server/exchange/crossing.h"
+#include "server/render/cpu_latency.h"
 #include "server/render/loop_config.h"
 #include "server/render/realtime.h"
 #include "server/render/tick.h"
@@ -46,6 +48,7 @@ class Loop {
   const LoopConfig config_;
   TimedDrive drive_;
   Tick tick_;
+  std::optional<CpuLatencyRequest> cpu_latency_;
   RealtimeReport report_;
   std::atomic<bool> reported_{false};
   std::atomic<bool> stopping_{false};

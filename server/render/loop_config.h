@@ -15,6 +15,8 @@ struct RealtimeConfig {
   int priority = 80;
   /// The CPU to stay on; negative leaves it to the host.
   int cpu = -1;
+  /// True leaves the CPUs the idle states from which they wake slowly; so does a priority of 0.
+  bool allow_deep_idle = false;
 };
 
 /// One axis. Linear: kg, m, N; rotary: kg m^2, rad, N m. There is no default for what the motor and the

@@ -98,18 +98,22 @@ std::string Schedule(int priority) {
 RealtimeReport EnterRealtime(const RealtimeConfig& config) {
   const std::array<std::string, 3> refusals = {LockMemory(), Pin(config.cpu), Schedule(config.priority)};
   PrefaultStack();
-  RealtimeReport report{.realtime = true, .message = {}};
+  RealtimeReport report{.realtime = true,
+                        .message = "SCHED_FIFO priority " + std::to_string(config.priority) +
+                                   ", memory locked" +
+                                   (config.cpu < 0 ? "" : ", CPU " + std::to_string(config.cpu))};
   for (const std::string& refusal : refusals) {
-    if (!refusal.empty()) {
-      report.realtime = false;
-      report.message += (report.message.empty() ? "" : "; ") + refusal;
-    }
-  }
-  if (report.realtime) {
-    report.message = "SCHED_FIFO priority " + std::to_string(config.priority) + ", memory locked" +
-                     (config.cpu < 0 ? std::string() : ", CPU " + std::to_string(config.cpu));
+    AddRefusal(refusal, report);
   }
   return report;
+}
+
+void AddRefusal(const std::string& refusal, RealtimeReport& report) {
+  if (refusal.empty()) {
+    return;
+  }
+  report.message = report.realtime ? refusal : report.message + "; " + refusal;
+  report.realtime = false;
 }
 
 }  // namespace mwidth::render

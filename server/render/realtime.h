@@ -9,7 +9,7 @@ namespace mwidth::render {
 
 /// What the host granted.
 struct RealtimeReport {
-  /// Everything that was asked for was granted: real-time scheduling, locked memory, the CPU.
+  /// Everything that was asked for was granted: real-time scheduling, locked memory, the CPU, idle states.
   bool realtime = false;
   /// For a person: what was granted or, for each refusal, the reason and what to do about it.
   std::string message;
@@ -18,5 +18,8 @@ struct RealtimeReport {
 /// Locks the process's memory, faults in the calling thread's stack, pins the thread and raises its priority.
 /// What is refused is left as it was. The loop's thread before its first tick; not Rt: it allocates.
 RealtimeReport EnterRealtime(const RealtimeConfig& config);
+
+/// Adds what else was refused; an empty text changes nothing.
+void AddRefusal(const std::string& refusal, RealtimeReport& report);
 
 }  // namespace mwidth::render

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <ctime>
 #include <thread>
 
 namespace mwidth::exchange {
@@ -20,6 +21,29 @@ TEST(MonotonicClockTest, NeverGoesBackAndSleepsUntilTheDeadlineOrLonger) {
   EXPECT_GE(clock.NowNs(), deadline);
   clock.SleepUntilNs(start);  // Past: returns at once.
   EXPECT_GE(clock.NowNs(), deadline);
+}
+
+// CPU time that the thread spends on waiting for some deadlines.
+int64_t CpuTimeOfWaits(MonotonicClock& clock) {
+  timespec before{};
+  timespec after{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &before);
+  for (int i = 0; i < 10; ++i) {
+    const int64_t deadline = clock.NowNs() + 5'000'000;
+    clock.SleepUntilNs(deadline);
+    EXPECT_GE(clock.NowNs(), deadline);
+  }
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &after);
+  return (after.tv_sec - before.tv_sec) * 1'000'000'000 + after.tv_nsec - before.tv_nsec;
+}
+
+TEST(MonotonicClockTest, PollsTheLastStretchBeforeADeadlineWhereItIsAskedTo) {
+  MonotonicClock sleeping;
+  MonotonicClock spinning(4'000'000);
+  EXPECT_GT(CpuTimeOfWaits(spinning), 3 * CpuTimeOfWaits(sleeping));
+  const int64_t start = spinning.NowNs();
+  spinning.SleepUntilNs(start - 1);  // Past: returns at once.
+  EXPECT_GE(spinning.NowNs(), start);
 }
 
 TEST(SimulatedClockTest, StandsStillUnlessTheLoopSleeps) {

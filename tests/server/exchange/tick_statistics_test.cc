@@ -28,7 +28,7 @@ TEST(TickStatisticsTest, CountsNoDelayForATickWithoutAForce) {
 
 TEST(TickStatisticsTest, CountsALateWakeUpOnceHoweverManyTicksItCosts) {
   const auto statistics = std::make_unique<TickStatistics>();
-  for (const uint64_t missed : {0, 1, 0, 700, 0}) {
+  for (const uint64_t missed : {0U, 1U, 0U, 700U, 0U}) {
     statistics->Record({.loop_delay_ns = {}, .missed_ticks = missed});
   }
   EXPECT_EQ(statistics->overruns(), 2);

@@ -2,9 +2,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/mman.h>
 
 #include <condition_variable>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -139,6 +141,43 @@ TEST_F(LoopTest, TellsTheDelayOnlyWhereAForceWasWritten) {
   crossing->settings.Post(settings);
   Next();
   EXPECT_EQ(crossing->tick_statistics.loop_delay().Figures().count, 1);
+}
+
+// How often this process has the kernel's latency device open.
+int OpenLatencyRequests() {
+  int requests = 0;
+  for (const auto& file : std::filesystem::directory_iterator("/proc/self/fd")) {
+    std::error_code gone;
+    requests += std::filesystem::read_symlink(file, gone) == "/dev/cpu_dma_latency" ? 1 : 0;
+  }
+  return requests;
+}
+
+TEST_F(LoopTest, AsksForWakefulCpusAsLongAsItRuns) {
+  const bool has_device = CpuLatencyRequest().refusal().empty();
+  LoopConfig config = TestConfig();
+  config.realtime.priority = 1;
+  loop = std::make_unique<Loop>(drive, *crossing, clock, config);
+  report = loop->Start();
+  EXPECT_EQ(OpenLatencyRequests(), has_device ? 1 : 0);
+  EXPECT_EQ(report.message.find("/dev/cpu_dma_latency") == std::string::npos, has_device) << report.message;
+  clock.Free();
+  loop->Stop();
+  EXPECT_EQ(OpenLatencyRequests(), 0);
+  munlockall();
+}
+
+TEST_F(LoopTest, LeavesIdleCpusAloneWhereNothingOrNotThisIsAskedOfTheHost) {
+  LoopConfig config = TestConfig();
+  config.realtime.allow_deep_idle = true;
+  for (const int priority : {0, 1}) {
+    config.realtime.priority = priority;
+    exchange::SimulatedClock simulated(1000);
+    Loop other(drive, *crossing, simulated, config);
+    other.Start();
+    EXPECT_EQ(OpenLatencyRequests(), 0) << priority;
+  }
+  munlockall();
 }
 
 TEST_F(LoopTest, RampsDownAndDisablesTheDriveWhenItStops) {

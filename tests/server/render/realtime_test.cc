@@ -95,6 +95,17 @@ TEST(RealtimeTest, PinsTheThreadToItsCpu) {
   });
 }
 
+TEST(RealtimeTest, AddsEveryFurtherRefusalAndNoneThatIsEmpty) {
+  RealtimeReport report{.realtime = true, .message = "granted"};
+  AddRefusal("", report);
+  EXPECT_TRUE(report.realtime);
+  EXPECT_EQ(report.message, "granted");
+  AddRefusal("one", report);
+  AddRefusal("two", report);
+  EXPECT_FALSE(report.realtime);
+  EXPECT_EQ(report.message, "one; two");
+}
+
 TEST(RealtimeTest, DoesNotCallAnUnaskedForPriorityRealTime) {
   OnAThread([] {
     const RealtimeReport report = EnterRealtime({.priority = 0, .cpu = -1});
