@@ -26,6 +26,10 @@ struct SizeQuotient {
   ArcForm OpenLoopOnArc::*bottom;
   Value value;
 };
+// Clang 14 does not deduce aggregates by itself.
+template <typename Value>
+SizeQuotient(std::span<const OpenLoopOnArc>, ArcForm OpenLoopOnArc::*, ArcForm OpenLoopOnArc::*, Value)
+    -> SizeQuotient<Value>;
 
 /// All s in (0, 1) where top = level bottom, ascending. Any thread.
 template <typename Value>

@@ -67,9 +67,11 @@ std::vector<Arc> OpenLoop::Divide() const {
   const double smear = plant_.loss / std::sqrt(plant_.static_gap);
   std::vector<double> ends{0, 1};
   if (resonance > 0 && resonance < 1) {
-    for (double way = 1 / kShrink; way > smear / 2 && way > 1e-12; way /= kShrink) {
+    double way = 1 / kShrink;
+    while (way > smear / 2 && way > 1e-12) {
       ends.push_back(resonance * (1 - way));
       ends.push_back(std::min(resonance * (1 + way), 1.0));
+      way /= kShrink;
     }
   }
   std::sort(ends.begin(), ends.end());
