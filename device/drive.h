@@ -24,7 +24,7 @@ struct Reading {
 
 /// One motor with an encoder. All functions are called by the loop's thread and are Rt, except the
 /// constructors of the implementations, which throw std::runtime_error with what to do when the drive cannot
-/// be reached.
+/// be reached. An implementation with a motor holds a DriveLock from before it touches the link to the end.
 class Drive {
  public:
   Drive() = default;

@@ -13,11 +13,13 @@ namespace {
 // How long a sample waits for its subscribers at most, and how many arrive at once.
 constexpr std::chrono::milliseconds kDrainPeriod{5};
 
-std::unique_ptr<exchange::Clock> MakeClock(const AxisOptions& options) {
+constexpr int64_t kNsPerUs = 1000;
+
+std::unique_ptr<exchange::Clock> MakeClock(const RealtimeConfig& realtime, const AxisOptions& options) {
   if (options.simulation_speed) {
     return std::make_unique<exchange::SimulatedClock>(*options.simulation_speed);
   }
-  return std::make_unique<exchange::MonotonicClock>();
+  return std::make_unique<exchange::MonotonicClock>(realtime.spin_us * kNsPerUs);
 }
 
 std::unique_ptr<device::HandMotion> MakeHandMotion(const HandMotionConfig& motion, model::AxisKind kind) {
@@ -52,6 +54,7 @@ render::LoopConfig MakeLoopConfig(const AxisConfig& config) {
   loop.max_missed_ticks = static_cast<uint32_t>(config.limits.max_missed_ticks);
   loop.realtime.priority = config.realtime.priority;
   loop.realtime.cpu = config.realtime.cpu.value_or(-1);
+  loop.realtime.allow_deep_idle = config.realtime.allow_deep_idle;
   return loop;
 }
 
@@ -61,25 +64,23 @@ gate::AxisDescription Describe(const AxisConfig& config, bool simulated,
   description.simulated = simulated;
   description.realtime = realtime.realtime;
   description.realtime_message = realtime.message;
-  if (!realtime.realtime && !simulated && !options.allow_non_realtime) {
-    description.rendering_blocked_reason = "the loop has no real-time scheduling (" + realtime.message +
-                                           "); change that, or start mwidthd with --allow-non-realtime to "
-                                           "accept missed deadlines on a real drive";
-  }
+  description.rendering_blocked_reason =
+      RenderingBlockedReason(simulated, realtime, options.allow_non_realtime);
   return description;
 }
 
 }  // namespace
 
 Axis::Axis(const AxisConfig& config, const Config& server, const AxisOptions& options)
-    : clock_(MakeClock(options)),
+    : clock_(MakeClock(config.realtime, options)),
       drive_(MakeDrive(config)),
       broadcast_({.max_subscribers = static_cast<std::size_t>(server.max_streams),
                   .max_queued_samples = static_cast<std::size_t>(server.stream_queue_samples)}),
       drain_(crossing_.samples, {&broadcast_}, kDrainPeriod),
       loop_(std::make_unique<render::Loop>(*drive_, crossing_, *clock_, MakeLoopConfig(config))) {
   drain_.Start();
-  const render::RealtimeReport realtime = loop_->Start();
+  render::RealtimeReport realtime = loop_->Start();
+  render::AddRefusal(options.host_refusal, realtime);
   gate_ = std::make_unique<gate::AxisGate>(Describe(config, drive_->Info().simulated, realtime, options),
                                            crossing_, *clock_);
 }

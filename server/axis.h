@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "device/drive.h"
 #include "server/config.h"
@@ -21,6 +22,8 @@ struct AxisOptions {
   /// real time, where deadlines can be missed.
   std::optional<double> simulation_speed;
   bool allow_non_realtime = false;
+  /// What was asked of the host for all axes at once and refused, with what to do about it; empty: nothing.
+  std::string host_refusal;
 };
 
 /// Owns everything of one axis. The loop runs from construction to Stop; it renders only when the gate is

@@ -113,6 +113,18 @@ LimitsConfig ReadLimits(ConfigTable limits) {
   return read;
 }
 
+RealtimeConfig ReadRealtime(ConfigTable realtime, double period_s) {
+  const RealtimeConfig read{
+      .priority = realtime.IntegerOr("priority", {1, 98}, kDefaultPriority),
+      .cpu = realtime.OptionalInteger("cpu", {0, 1023}),
+      // The other half stays with the rest of the CPU's threads, and far from the kernel's throttling.
+      .spin_us = realtime.IntegerOr("spin_us", {0, std::floor(0.5e6 * period_s)}, 0),
+      .allow_deep_idle = realtime.BooleanOr("allow_deep_idle", false),
+  };
+  realtime.Finish();
+  return read;
+}
+
 HandMotionConfig ReadHandMotion(ConfigTable motion, const std::filesystem::path& folder) {
   HandMotionConfig read{
       .amplitude = motion.Number("amplitude", {-kLargest, kLargest}),
@@ -163,12 +175,7 @@ AxisConfig ReadAxis(ConfigTable axis, const std::filesystem::path& folder) {
   gate.Finish();
 
   read.limits = ReadLimits(axis.Table("limits"));
-
-  ConfigTable realtime = axis.Table("realtime");
-  read.realtime.priority = realtime.IntegerOr("priority", {1, 98}, kDefaultPriority);
-  read.realtime.cpu = realtime.OptionalInteger("cpu", {0, 1023});
-  realtime.Finish();
-
+  read.realtime = ReadRealtime(axis.Table("realtime"), read.loop.period_s);
   read.drive = ReadDrive(axis.Table("drive"), folder);
   // A force count crosses to the drive as 32 bits.
   if (read.limits.force / read.drive.force_quantum > 2e9) {
@@ -196,6 +203,7 @@ Config LoadConfig(const std::filesystem::path& file) {
   config.max_streams = server.IntegerOr("max_streams", {1, 100'000}, kDefaultMaxStreams);
   config.stream_queue_samples =
       server.IntegerOr("stream_queue_samples", {1000, kLargest}, kDefaultStreamQueueSamples);
+  config.keep_cpus_awake = server.BooleanOr("keep_cpus_awake", false);
   server.Finish();
 
   std::set<std::string> names;
@@ -207,6 +215,16 @@ Config LoadConfig(const std::filesystem::path& file) {
   }
   root.Finish();
   return config;
+}
+
+std::vector<int> PinnedCpus(const Config& config) {
+  std::vector<int> cpus;
+  for (const AxisConfig& axis : config.axes) {
+    if (axis.realtime.cpu) {
+      cpus.push_back(*axis.realtime.cpu);
+    }
+  }
+  return cpus;
 }
 
 std::filesystem::path FindConfig(const std::string& name_or_file) {

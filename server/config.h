@@ -52,6 +52,10 @@ struct RealtimeConfig {
   int priority = 0;
   /// CPU that the loop is pinned to; none: any.
   std::optional<int> cpu;
+  /// What is polled instead of slept through before each deadline; at most half a period.
+  int spin_us = 0;
+  /// The CPUs keep the idle states from which they wake slowly.
+  bool allow_deep_idle = false;
 };
 
 struct AxisConfig {
@@ -74,8 +78,13 @@ struct Config {
   /// Most sample streams on one axis, and most samples queued for one of them.
   int max_streams = 0;
   int stream_queue_samples = 0;
+  /// An idle-priority thread on each CPU keeps it from halting.
+  bool keep_cpus_awake = false;
   std::vector<AxisConfig> axes;
 };
+
+/// The CPUs that the axes' loops are pinned to, each once for every loop.
+std::vector<int> PinnedCpus(const Config& config);
 
 /// Reads a TOML file. Every key is documented in deploy/config; an unknown or missing key, a wrong type and a
 /// number out of range throw ConfigError.

@@ -18,4 +18,14 @@ gate::AxisDescription DescribeAxis(const AxisConfig& config) {
   return description;
 }
 
+std::string RenderingBlockedReason(bool simulated, const render::RealtimeReport& realtime,
+                                   bool allow_non_realtime) {
+  if (simulated || realtime.realtime || allow_non_realtime) {
+    return {};
+  }
+  return "The host refuses what this loop needs to be on time: " + realtime.message +
+         ". Change that (mwidthd doctor helps), or start mwidthd with --allow-non-realtime to accept missed "
+         "deadlines on a real drive.";
+}
+
 }  // namespace mwidth::server

@@ -12,11 +12,14 @@
 
 #include "server/axis.h"
 #include "server/config.h"
+#include "server/doctor_command.h"
+#include "server/render/wakeful_cpus.h"
 #include "server/rpc/axis_registry.h"
 #include "server/rpc/server.h"
 
 namespace {
 
+namespace render = mwidth::render;
 namespace rpc = mwidth::rpc;
 namespace server = mwidth::server;
 
@@ -27,6 +30,9 @@ constexpr double kFastestSimulation = 1000;
 constexpr std::chrono::milliseconds kPatience{500};
 
 struct CommandLine {
+  bool doctor = false;
+  bool json = false;
+  std::string root = "/";
   std::string config = "paper";
   std::string listen;
   std::string hand_motion;
@@ -54,8 +60,17 @@ CommandLine Parse(CLI::App& app, int argc, char** argv) {
       ->check(CLI::Range(0.01, kFastestSimulation));
   app.add_flag("--allow-non-realtime", line.axis.allow_non_realtime,
                "Render on a real drive even where the host refuses real-time scheduling");
+  CLI::App* doctor = app.add_subcommand(
+      "doctor",
+      "Examine this host: is it fit for the configuration's loops, and what to change. Exit code 1 "
+      "where a loop would be refused what it needs");
+  doctor->fallthrough();
+  doctor->add_flag("--json", line.json, "Answer with JSON");
+  doctor->add_option("--root", line.root, "Examine the copy of a host's /proc, /sys and /dev in this folder")
+      ->check(CLI::ExistingDirectory);
   app.set_version_flag("--version", MWIDTH_VERSION);
   app.parse(argc, argv);
+  line.doctor = doctor->parsed();
   return line;
 }
 
@@ -73,6 +88,17 @@ server::Config Load(const CommandLine& line) {
     config.axes[0].drive.hand_motion.reach = line.reach;
   }
   return config;
+}
+
+// Before the axes begin and until they have ended, where it is asked for; a refusal is told to each of them.
+std::unique_ptr<render::WakefulCpus> KeepCpusAwake(const server::Config& config,
+                                                   server::AxisOptions& options) {
+  if (!config.keep_cpus_awake) {
+    return nullptr;
+  }
+  auto awake = std::make_unique<render::WakefulCpus>(server::PinnedCpus(config));
+  options.host_refusal = awake->refusal();
+  return awake;
 }
 
 void Serve(const server::Config& config, const std::vector<std::unique_ptr<server::Axis>>& axes,
@@ -98,8 +124,12 @@ void Serve(const server::Config& config, const std::vector<std::unique_ptr<serve
 int Run(int argc, char** argv, const sigset_t& ending) {
   CLI::App app{"mwidthd " MWIDTH_VERSION ": renders virtual masses on robot joints, and only stable ones"};
   try {
-    const CommandLine line = Parse(app, argc, argv);
+    CommandLine line = Parse(app, argc, argv);
     const server::Config config = Load(line);
+    if (line.doctor) {
+      return server::RunDoctor(config, line.root, line.json);
+    }
+    const auto awake = KeepCpusAwake(config, line.axis);
     std::vector<std::unique_ptr<server::Axis>> axes;
     for (const server::AxisConfig& axis : config.axes) {
       axes.push_back(std::make_unique<server::Axis>(axis, config, line.axis));

@@ -17,6 +17,8 @@ LAYERS = {
     "server/gate": ("server/exchange/", "server/model/"),
     "server/record": ("server/exchange/",),
     "server/rpc": ("server/gate/", "server/record/", "server/model/", "server/exchange/") + PROTO,
+    # Reads the host's own files and nothing of the server's, so that it can judge a host before anything runs.
+    "server/doctor": ("nlohmann/",),
     "client": ("server/model/", "CLI/", "nlohmann/") + PROTO,
     # The server's services without a server, for the command line: the same code is the only way to the same numbers.
     "client/cli/offline": ("client/", "server/") + PROTO,

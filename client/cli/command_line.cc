@@ -97,13 +97,16 @@ void Define(CLI::App& app, CommandLine& line) {
                "Answer with JSON, field names as in the API; a refusal or an error is a google.rpc.Status");
   app.set_version_flag("--version", "mwidth " MWIDTH_VERSION);
 
-  Subcommand(app, "state", "Show the axes and what they are doing", "  mwidth state\n  mwidth --json state");
+  auto* state = Subcommand(app, "state", "Show the axes and what they are doing",
+                           "  mwidth state\n  mwidth state --timing\n  mwidth --json state");
+  state->add_flag("--timing", line.timing,
+                  "Also how punctual each loop is: wake-up latency, computing, drive I/O and loop delay");
   DefineAnalyses(app, line);
   DefineSetMass(app, line);
   auto* stop =
       Subcommand(app, "stop",
                  "Emergency stop: zero force at once, drive disabled, fault latched. For anyone, whoever "
-                 "has control; without --axis for every axis",
+                 "has control; on every axis, whichever --axis names",
                  "  mwidth stop\n  mwidth stop --reason 'strap came loose'");
   stop->add_option("--reason", line.reason, "For the record")->capture_default_str();
   Subcommand(app, "clear-fault", "Clear a latched fault, once its cause is gone", "  mwidth clear-fault");

@@ -16,6 +16,9 @@ struct CommandLine {
   std::string axis;
   bool json = false;
 
+  // state
+  bool timing = false;
+
   // m-width, sweep, bode, accuracy
   v1::LoopParameters overrides;
   std::string offline;

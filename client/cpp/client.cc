@@ -107,17 +107,11 @@ bool Client::SweepMWidth(const v1::SweepMWidthRequest& request,
   return wanted;
 }
 
-std::vector<v1::State> Client::EmergencyStop(const std::string& reason, const std::string& axis) const {
+v1::EmergencyStopResponse Client::EmergencyStop(const std::string& reason, const std::string& axis) const {
   v1::EmergencyStopRequest request;
   request.set_axis(axis);
   request.set_reason(reason);
-  const auto response =
-      Call(*rendering_, &v1::RenderingService::StubInterface::EmergencyStop, request, call_timeout_);
-  std::vector<v1::State> states;
-  for (const auto state : response.states()) {
-    states.push_back(static_cast<v1::State>(state));
-  }
-  return states;
+  return Call(*rendering_, &v1::RenderingService::StubInterface::EmergencyStop, request, call_timeout_);
 }
 
 Control Client::AcquireControl(const std::string& client_name, const std::string& axis,

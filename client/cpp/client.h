@@ -51,9 +51,9 @@ class Client {
   /// Returns whether all rows were taken. Blocks for kAnalysisTimeout at most.
   bool SweepMWidth(const v1::SweepMWidthRequest& request,
                    const std::function<bool(const v1::SweepMWidthResponse&)>& take) const;
-  /// Zero force on the next tick, fault latched. For anyone, at any time, without a lease. An empty `axis`
-  /// means every one; the states after the stop are returned.
-  std::vector<v1::State> EmergencyStop(const std::string& reason, const std::string& axis = "") const;
+  /// Zero force on the next tick, fault latched, on every axis of the server; `axis` is only for the record.
+  /// For anyone, at any time, without a lease. Returns every axis with its state after the stop.
+  v1::EmergencyStopResponse EmergencyStop(const std::string& reason, const std::string& axis = "") const;
 
   /// Takes the control lease, renewed until the object goes. `client_name` is shown to people who look at the
   /// state; an unset `ttl` means the server's own (1 s). Throws Error, with reason CONTROL_HELD where another

@@ -75,6 +75,8 @@ class AxisGate {
   std::string Controller();
   /// Samples that the record lost since the start.
   uint64_t dropped_samples() const { return crossing_.samples.dropped(); }
+  /// What the loop's ticks took since it began.
+  const exchange::TickStatistics& tick_statistics() const { return crossing_.tick_statistics; }
 
  private:
   using Predicate = std::function<bool(const exchange::LoopStatus&)>;

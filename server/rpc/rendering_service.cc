@@ -8,6 +8,7 @@
 #include "server/gate/axis_gate.h"
 #include "server/rpc/convert.h"
 #include "server/rpc/convert_analysis.h"
+#include "server/rpc/convert_statistics.h"
 #include "server/rpc/on_axis.h"
 
 namespace mwidth::rpc {
@@ -40,6 +41,7 @@ void Describe(AxisGate& gate, v1::AxisState& message) {
   message.set_realtime(axis.realtime);
   message.set_realtime_message(axis.realtime_message);
   Convert(stability->range(), *message.mutable_m_width());
+  Convert(gate.tick_statistics(), *message.mutable_tick_statistics());
 }
 
 /// On one line of the log, whatever a client sent.
@@ -48,6 +50,34 @@ std::string Printable(std::string text) {
   std::replace_if(
       text.begin(), text.end(), [](unsigned char byte) { return byte < ' ' || byte == 0x7f; }, ' ');
   return text;
+}
+
+/// Every axis that stopped, or a refusal that tells which did not and which did.
+grpc::Status TellStops(const AxisRegistry& axes, const std::vector<gate::Result<LoopStatus>>& answers,
+                       v1::EmergencyStopResponse& response) {
+  const gate::Refusal* refusal = nullptr;
+  std::string silent;
+  std::string stopped;
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    const std::string& name = axes.axes()[i].name;
+    if (answers[i].ok()) {
+      response.add_axes(name);
+      response.add_states(Convert(answers[i]->state));
+    } else {
+      refusal = &answers[i].refusal();
+    }
+    std::string& list = answers[i].ok() ? stopped : silent;
+    list += (list.empty() ? "" : ", ") + name;
+  }
+  if (refusal == nullptr) {
+    return grpc::Status::OK;
+  }
+  gate::Refusal told = *refusal;
+  told.message = "Not known to have stopped: " + silent +
+                 ". Stopped: " + (stopped.empty() ? "none" : stopped) + ". " + told.message;
+  told.metadata["silent_axes"] = silent;
+  told.metadata["stopped_axes"] = stopped;
+  return ToStatus(told);
 }
 
 }  // namespace
@@ -174,27 +204,18 @@ grpc::Status RenderingService::EmergencyStop(grpc::ServerContext* context,
                                              const v1::EmergencyStopRequest* request,
                                              v1::EmergencyStopResponse* response) {
   return Guarded("EmergencyStop", [&] {
-    const auto axes = FindOneOrAll(request->axis());
-    if (!axes.ok()) {
-      return ToStatus(axes.refusal());
-    }
-    // Every axis is told before any is waited for.
+    // Whatever the request names, every axis; and every one is told before any is waited for.
     std::vector<gate::Posted> posted;
-    for (const Axis* axis : *axes) {
-      posted.push_back(axis->gate.PostEmergencyStop());
+    for (const Axis& axis : axes_.axes()) {
+      posted.push_back(axis.gate.PostEmergencyStop());
     }
-    std::cerr << "mwidthd: emergency stop by " << context->peer() << ": " << Printable(request->reason())
-              << std::endl;
-    grpc::Status answer;
+    std::cerr << "mwidthd: emergency stop by " << context->peer() << ", axis '" << Printable(request->axis())
+              << "': " << Printable(request->reason()) << std::endl;
+    std::vector<gate::Result<LoopStatus>> answers;
     for (std::size_t i = 0; i < posted.size(); ++i) {
-      const gate::Result<LoopStatus> stopped = (*axes)[i]->gate.AwaitEmergencyStop(posted[i]);
-      if (stopped.ok()) {
-        response->add_states(Convert(stopped->state));
-      } else {
-        answer = ToStatus(stopped.refusal());
-      }
+      answers.push_back(axes_.axes()[i].gate.AwaitEmergencyStop(posted[i]));
     }
-    return answer;
+    return TellStops(axes_, answers, *response);
   });
 }
 

@@ -120,6 +120,7 @@ class FakeServer::Rendering : public v1::RenderingService::Service {
     fake_.stop_reason_ = request->reason();
     LatchFault("emergency stop");
     response->add_states(v1::STATE_FAULT);
+    response->add_axes(fake_.axis_.info().name());
     return Called("EmergencyStop");
   }
   grpc::Status ClearFault(grpc::ServerContext*, const v1::ClearFaultRequest* request,

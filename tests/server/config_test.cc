@@ -106,6 +106,35 @@ TEST_F(ConfigTest, RefusesAnEnvelopeThatIsNoneOrHasNotTheLoopItself) {
               HasSubstr("axis.tolerance.mass"));
 }
 
+TEST_F(ConfigTest, ReadsWhatIsAskedOfTheHost) {
+  const Config shipped = LoadConfig(CONFIG_DIR "/paper.toml");
+  EXPECT_FALSE(shipped.keep_cpus_awake);
+  EXPECT_EQ(shipped.axes[0].realtime.priority, 80);
+  EXPECT_EQ(shipped.axes[0].realtime.spin_us, 0);
+  EXPECT_FALSE(shipped.axes[0].realtime.allow_deep_idle);
+  EXPECT_TRUE(PinnedCpus(shipped).empty());
+
+  std::string text = ReadFile(CONFIG_DIR "/paper.toml");
+  for (const auto& [from, to] : {std::pair{"keep_cpus_awake = false", "keep_cpus_awake = true"},
+                                 std::pair{"# cpu = 1", "cpu = 1"}, std::pair{"spin_us = 0", "spin_us = 500"},
+                                 std::pair{"allow_deep_idle = false", "allow_deep_idle = true"}}) {
+    text.replace(text.find(from), std::string(from).size(), to);
+  }
+  const std::filesystem::path file = testing::TempDir() + "host.toml";
+  std::ofstream(file) << text;
+  const Config config = LoadConfig(file);
+  EXPECT_TRUE(config.keep_cpus_awake);
+  EXPECT_EQ(config.axes[0].realtime.spin_us, 500);
+  EXPECT_TRUE(config.axes[0].realtime.allow_deep_idle);
+  EXPECT_EQ(PinnedCpus(config), std::vector<int>{1});
+}
+
+TEST_F(ConfigTest, LetsALoopPollHalfItsPeriodAtMost) {
+  EXPECT_THAT(ErrorAfter("spin_us = 0", "spin_us = 501"),
+              AllOf(HasSubstr("axis.realtime.spin_us is 501"), HasSubstr("0 to 500")));
+  EXPECT_THAT(ErrorAfter("spin_us = 0", "spin_us = -1"), HasSubstr("axis.realtime.spin_us is -1"));
+}
+
 TEST_F(ConfigTest, ReadsEveryShippedConfiguration) {
   int count = 0;
   for (const auto& entry : std::filesystem::directory_iterator(CONFIG_DIR)) {
@@ -117,7 +146,7 @@ TEST_F(ConfigTest, ReadsEveryShippedConfiguration) {
 
 TEST_F(ConfigTest, NamesFileLineKeyAndRangeOfAWrongNumber) {
   EXPECT_THAT(ErrorAfter("cutoff_hz = 10.0", "cutoff_hz = 501"),
-              AllOf(HasSubstr(".toml:27: axis.loop.cutoff_hz is 501"), HasSubstr("at most 500")));
+              AllOf(HasSubstr(".toml:30: axis.loop.cutoff_hz is 501"), HasSubstr("at most 500")));
   EXPECT_THAT(ErrorAfter("period_s = 0.001", "period_s = 0"), HasSubstr("from 0.0001 to 0.01"));
   EXPECT_THAT(ErrorAfter("mass = 0.070", "mass = nan"), HasSubstr("axis.device.mass is nan"));
   EXPECT_THAT(ErrorAfter("stiffness = 700.0", "stiffness = inf"), HasSubstr("axis.hand.stiffness is inf"));
@@ -160,7 +189,7 @@ TEST_F(ConfigTest, RefusesWrongTypesAndWords) {
 }
 
 TEST_F(ConfigTest, NamesTheLineOfASyntaxError) {
-  EXPECT_THAT(ErrorAfter("kind = \"linear\"", "kind = linear"), HasSubstr(".toml:15"));
+  EXPECT_THAT(ErrorAfter("kind = \"linear\"", "kind = linear"), HasSubstr(".toml:18"));
 }
 
 TEST_F(ConfigTest, RefusesAMissingFileByNamingTheShippedOnes) {

@@ -67,8 +67,9 @@ TEST(ClientTest, MWidthSendsOnlyTheOverridesThatAreSet) {
 
 TEST(ClientTest, EmergencyStopNeedsNoLeaseAndCarriesItsReason) {
   const FakeServer server;
-  const auto states = Client::Connect(server.address()).EmergencyStop("strap came loose");
-  EXPECT_THAT(states, ElementsAre(v1::STATE_FAULT));
+  const auto stopped = Client::Connect(server.address()).EmergencyStop("strap came loose");
+  EXPECT_THAT(stopped.states(), ElementsAre(v1::STATE_FAULT));
+  EXPECT_THAT(stopped.axes(), ElementsAre("elbow"));
   EXPECT_EQ(server.StopReason(), "strap came loose");
 }
 

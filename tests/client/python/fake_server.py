@@ -163,7 +163,7 @@ class FakeServer(
         self._check(request, context)
         self.stop_reason = request.reason
         self._state = rendering.STATE_FAULT
-        return rendering.EmergencyStopResponse(states=[self._state])
+        return rendering.EmergencyStopResponse(states=[self._state], axes=["elbow"])
 
     def SetMass(self, request, context):
         self._check(request, context)

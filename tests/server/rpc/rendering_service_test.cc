@@ -258,11 +258,6 @@ TEST_F(RenderingServiceTest, RefusesAnUnknownAxis) {
   set.set_axis("leg");
   v1::SetMassResponse grant;
   ExpectStatus(Call(&Rendering::SetMass, *rendering, set, grant), StatusCode::NOT_FOUND, "UNKNOWN_AXIS");
-  v1::EmergencyStopRequest stop;
-  stop.set_axis("leg");
-  v1::EmergencyStopResponse stopped;
-  ExpectStatus(Call(&Rendering::EmergencyStop, *rendering, stop, stopped), StatusCode::NOT_FOUND,
-               "UNKNOWN_AXIS");
 }
 
 TEST_F(RenderingServiceTest, ReportsALoopThatDoesNotAnswer) {
@@ -303,11 +298,31 @@ TEST_F(TwoAxesTest, ShowsBothAndAsksWhichOneToCommand) {
   EXPECT_TRUE(Call(&Rendering::AcquireControl, *stub, request, lease).ok());
 }
 
-TEST_F(TwoAxesTest, StopsBothInAnEmergencyAlsoWhereOneIsSilent) {
+TEST_F(TwoAxesTest, StopsBothInAnEmergencyWhicheverIsNamed) {
+  uint64_t stops = 0;
+  for (const std::string name : {"", "arm", "leg", "no such axis"}) {
+    ++stops;
+    v1::EmergencyStopRequest stop;
+    stop.set_axis(name);
+    v1::EmergencyStopResponse stopped;
+    ASSERT_TRUE(Call(&Rendering::EmergencyStop, *stub, stop, stopped).ok()) << name;
+    EXPECT_THAT(stopped.axes(), ElementsAre("arm", "leg")) << name;
+    EXPECT_THAT(stopped.states(), ElementsAre(v1::STATE_FAULT, v1::STATE_FAULT)) << name;
+    EXPECT_EQ(axis.Status().fault.number, stops) << name;
+    EXPECT_EQ(leg.Status().fault.number, stops) << name;
+  }
+}
+
+TEST_F(TwoAxesTest, StopsTheOneInAnEmergencyWhereTheOtherIsSilentAndTellsWhichIsWhich) {
   axis.Silence();
+  v1::EmergencyStopRequest stop;
+  stop.set_axis("arm");
   v1::EmergencyStopResponse stopped;
-  ExpectStatus(Call(&Rendering::EmergencyStop, *stub, v1::EmergencyStopRequest(), stopped),
-               StatusCode::UNAVAILABLE, "LOOP_SILENT");
+  const grpc::Status refused = Call(&Rendering::EmergencyStop, *stub, stop, stopped);
+  ExpectStatus(refused, StatusCode::UNAVAILABLE, "LOOP_SILENT");
+  EXPECT_THAT(refused.error_message(), HasSubstr("Not known to have stopped: arm. Stopped: leg."));
+  EXPECT_EQ(DetailsOf(refused).info.metadata().at("silent_axes"), "arm");
+  EXPECT_EQ(DetailsOf(refused).info.metadata().at("stopped_axes"), "leg");
   EXPECT_EQ(leg.Status().state, exchange::State::kFault);
 }
 

@@ -71,7 +71,10 @@ class Client:
         return self._call(self._stability.GetMWidth, stability_pb2.GetMWidthRequest(axis=axis, loop=loop))
 
     def emergency_stop(self, reason, axis=""):
-        """Zero force on the next tick, fault latched. For anyone, without a lease; an empty axis means every one."""
+        """Zero force on the next tick, fault latched. For anyone, without a lease.
+
+        On every axis of the server; `axis` is only for the record. Returns the axes with their states after the stop.
+        """
         request = rendering_pb2.EmergencyStopRequest(axis=axis, reason=reason)
         return self._call(self._rendering.EmergencyStop, request)
 
