@@ -28,6 +28,11 @@ model::EstimatorKind ReadEstimator(ConfigTable& timing) {
     }
     timing.Refuse("estimator", "is \"" + name + "\"; allowed are " + names);
   }
+  if (model::IsAccelerometer(*kind)) {
+    timing.Refuse("estimator", "is \"" + name +
+                                   "\", of which the model knows the stability, but no drive reads an "
+                                   "accelerometer; use an estimator from positions");
+  }
   return *kind;
 }
 

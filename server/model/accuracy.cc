@@ -10,6 +10,7 @@
 #include <numbers>
 #include <string>
 
+#include "server/model/accelerometer_simulation.h"
 #include "server/model/estimator.h"
 #include "server/model/hybrid_simulation.h"
 #include "server/model/m_width.h"
@@ -88,6 +89,41 @@ class ActingForce {
 // Ends a quadrature that does not converge.
 struct Unresolved : std::exception {};
 
+// What is measured.
+struct ChirpedLoop {
+  const LoopParameters& loop;
+  double mass;
+  const MotionBand& band;
+  TickInstant instant;
+};
+
+// Steps `device` through the chirp; `estimate` has the loop's a_hat(k) from it.
+template <typename Device, typename Estimate>
+PerceivedMass Measure(const ChirpedLoop& chirped, Device device, Estimate estimate) {
+  const LoopParameters& loop = chirped.loop;
+  const Chirp chirp(chirped.band, loop);
+  device.Reset(Chirp::kStart, 0, 0);
+  ActingForce acting_force(Discretize(loop), chirped.instant);
+  LeastSquaresMass fit;
+  const auto ticks = static_cast<int>(chirped.band.duration_s / loop.period_s);
+  double drive = chirp.DriveAt(0);
+  for (int k = 0; k < ticks; ++k) {
+    const double force = chirped.mass * estimate(device);
+    // Eqs. 2 and 1. The force between hand mass and device is what is left when the hand mass has its share.
+    const double pull =
+        drive - loop.hand_damping * device.velocity() - loop.hand_stiffness * device.position();
+    const double acceleration = (pull - loop.device_damping * device.velocity() - acting_force.After(force)) /
+                                (loop.device_mass + loop.hand_mass);
+    fit.Add(acceleration, pull - loop.hand_mass * acceleration);
+    const double drive_next = chirp.DriveAt((k + 1) * loop.period_s);
+    device.Command(force);
+    device.AdvanceUnder(drive, chirp.DriveAt((k + 0.5) * loop.period_s), drive_next);
+    drive = drive_next;
+  }
+  const std::optional<double> m_hat = fit.mass();
+  return m_hat ? Perceived(*m_hat, loop.device_mass + chirped.mass) : PerceivedMass{};
+}
+
 }  // namespace
 
 std::optional<ParameterError> Validate(const MotionBand& band, double period_s) {
@@ -145,29 +181,22 @@ PerceivedMass MeasurePerceivedMass(const LoopParameters& loop, double mass, cons
   if (const auto imperceptible = Imperceptible(loop, mass)) {
     return *imperceptible;
   }
-  const Chirp chirp(band, loop);
-  HybridSimulation device(loop);
-  device.Reset(Chirp::kStart, 0, 0);
-  AccelerationEstimator estimator(loop.period_s, loop.cutoff_hz, loop.estimator);
-  ActingForce acting_force(Discretize(loop), instant);
-  LeastSquaresMass fit;
-  const auto ticks = static_cast<int>(band.duration_s / loop.period_s);
-  double drive = chirp.DriveAt(0);
-  for (int k = 0; k < ticks; ++k) {
-    const double force = mass * estimator.Update(device.position());
-    // Eqs. 2 and 1. The force between hand mass and device is what is left when the hand mass has its share.
-    const double pull =
-        drive - loop.hand_damping * device.velocity() - loop.hand_stiffness * device.position();
-    const double acceleration = (pull - loop.device_damping * device.velocity() - acting_force.After(force)) /
-                                (loop.device_mass + loop.hand_mass);
-    fit.Add(acceleration, pull - loop.hand_mass * acceleration);
-    const double drive_next = chirp.DriveAt((k + 1) * loop.period_s);
-    device.Command(force);
-    device.AdvanceUnder(drive, chirp.DriveAt((k + 0.5) * loop.period_s), drive_next);
-    drive = drive_next;
+  const ChirpedLoop chirped{.loop = loop, .mass = mass, .band = band, .instant = instant};
+  switch (loop.estimator) {
+    case EstimatorKind::kAccelerometer:
+      return Measure(chirped, AccelerometerSimulation(loop),
+                     [](const AccelerometerSimulation& device) { return device.sensed(); });
+    case EstimatorKind::kFilteredAccelerometer:
+      return Measure(
+          chirped, AccelerometerSimulation(loop),
+          [filter = FirstOrderLowPass(FirstOrderLowPass::Factors(loop.period_s, loop.cutoff_hz))](
+              const AccelerometerSimulation& device) mutable { return filter.Update(device.sensed()); });
+    default:
+      return Measure(
+          chirped, HybridSimulation(loop),
+          [estimator = AccelerationEstimator(loop.period_s, loop.cutoff_hz, loop.estimator)](
+              const HybridSimulation& device) mutable { return estimator.Update(device.position()); });
   }
-  const std::optional<double> m_hat = fit.mass();
-  return m_hat ? Perceived(*m_hat, loop.device_mass + mass) : PerceivedMass{};
 }
 
 }  // namespace mwidth::model

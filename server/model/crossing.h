@@ -19,10 +19,19 @@
 // and one equation is enough, are all crossings there are; zeros of A at z = -1 put that one at an infinite
 // mass. Nothing is deflated numerically: a released hand has q = 0, a free mass without friction also delta =
 // 0, and the equations stay as they are.
+//
+// An accelerometer (accelerometer.h) takes the same way, but has one zero at z = 1 only. Multiplied by
+// conj(w), as w conj(w) = u and z conj(w) = -w,
+//
+//   (q - u) w - delta u = M' W      W = N(w) A conj(B) z^p      M' = (M/mu) u / |B|^2
+//
+// with p as above, one less without the digital filter. Left and right are u L and M' W there, L and M' W for
+// the others: one form in cos^2(t/2) and sin^2(t/2), and the same condition, that the two are parallel.
 #pragma once
 
 #include <array>
 
+#include "server/model/accelerometer.h"
 #include "server/model/estimator_factors.h"
 #include "server/model/plant.h"
 #include "server/model/real_roots.h"
@@ -49,5 +58,9 @@ struct Crossings {
 /// plant.static_gap == 0. Any thread. Rt.
 Crossings FindCrossings(const SampledPlant& plant, const EstimatorFactors& estimator,
                         double moving_mass) noexcept;
+
+/// The same for an accelerometer and the AccelerometerFactors behind it.
+Crossings FindCrossings(const SampledPlant& plant, const SampledAcceleration& acceleration,
+                        const EstimatorFactors& factors, double moving_mass) noexcept;
 
 }  // namespace mwidth::model

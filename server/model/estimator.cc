@@ -11,6 +11,9 @@ EstimatorFactors FactorsOf(EstimatorKind kind, double period_s, double cutoff_hz
     case EstimatorKind::kKalman:
       return KalmanLowPass::Factors(period_s, cutoff_hz);
     case EstimatorKind::kFilteredDifference:
+    // Accelerometers are refused by the precondition: there is no C(z) of theirs.
+    case EstimatorKind::kAccelerometer:
+    case EstimatorKind::kFilteredAccelerometer:
       break;
   }
   return FirstOrderLowPass::Factors(period_s, cutoff_hz);
@@ -27,6 +30,8 @@ AccelerationEstimator::LowPass AccelerationEstimator::MakeLowPass(EstimatorKind 
     case EstimatorKind::kKalman:
       return KalmanLowPass(factors);
     case EstimatorKind::kFilteredDifference:
+    case EstimatorKind::kAccelerometer:
+    case EstimatorKind::kFilteredAccelerometer:
       break;
   }
   return FirstOrderLowPass(factors);

@@ -15,14 +15,26 @@ const char* Name(EstimatorKind kind) noexcept {
       return "butterworth";
     case EstimatorKind::kKalman:
       return "kalman";
+    case EstimatorKind::kAccelerometer:
+      return "accelerometer";
+    case EstimatorKind::kFilteredAccelerometer:
+      return "filtered-accelerometer";
   }
   return "unknown";
 }
 
 std::optional<EstimatorKind> EstimatorNamed(std::string_view name) noexcept {
-  const auto* kind = std::find_if(kEstimatorKinds.begin(), kEstimatorKinds.end(),
-                                  [name](EstimatorKind candidate) { return name == Name(candidate); });
-  return kind == kEstimatorKinds.end() ? std::nullopt : std::optional(*kind);
+  for (const EstimatorKind kind : kEstimatorKinds) {
+    if (name == Name(kind)) {
+      return kind;
+    }
+  }
+  for (const EstimatorKind kind : kAccelerometerKinds) {
+    if (name == Name(kind)) {
+      return kind;
+    }
+  }
+  return std::nullopt;
 }
 
 CutoffRange CutoffRangeOf(EstimatorKind kind) noexcept {
@@ -36,15 +48,16 @@ CutoffRange CutoffRangeOf(EstimatorKind kind) noexcept {
   }
 }
 
-bool Runs(EstimatorKind kind, double period_s, double cutoff_hz) noexcept {
+bool Contains(const CutoffRange& range, double period_s, double cutoff_hz) noexcept {
   // 0.5/period is itself rounded; a caller who computes it may round the other way.
   constexpr double kRounding = 1 + 4 * std::numeric_limits<double>::epsilon();
-  if (std::find(kEstimatorKinds.begin(), kEstimatorKinds.end(), kind) == kEstimatorKinds.end()) {
-    return false;
-  }
-  const CutoffRange range = CutoffRangeOf(kind);
   return cutoff_hz > 0 && cutoff_hz >= range.min / period_s / kRounding &&
          cutoff_hz <= range.max / period_s * kRounding;
+}
+
+bool Runs(EstimatorKind kind, double period_s, double cutoff_hz) noexcept {
+  return std::find(kEstimatorKinds.begin(), kEstimatorKinds.end(), kind) != kEstimatorKinds.end() &&
+         Contains(CutoffRangeOf(kind), period_s, cutoff_hz);
 }
 
 }  // namespace mwidth::model

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "server/model/accelerometer.h"
 #include "server/model/m_width.h"
 #include "server/model/plant.h"
 #include "server/model/white_noise_gain.h"
@@ -64,12 +65,42 @@ std::optional<double> ForceNoise(const LoopParameters& loop, double mass, double
   if (!ComputeMWidth(loop).Contains(mass)) {
     return std::nullopt;
   }
+  if (IsAccelerometer(loop.estimator)) {
+    return 0;
+  }
   const LinearEstimator estimator = EstimatorOf(loop);
   const Plant plant = InDifferences(Discretize(loop));
   const DifferencePolynomial rendered = Scaled(estimator.numerator, mass);
   const DifferencePolynomial characteristic =
       Sum(Multiply(estimator.denominator, plant.denominator), Multiply(rendered, plant.numerator));
   return Deviation(Multiply(rendered, plant.denominator), characteristic, position_quantum);
+}
+
+std::optional<double> AccelerometerForceNoise(const LoopParameters& loop, double mass, double sample_noise) {
+  if (!ComputeMWidth(loop).Contains(mass)) {
+    return std::nullopt;
+  }
+  const SampledPlant plant = Discretize(loop);
+  const SampledAcceleration acceleration = DiscretizeAcceleration(loop, plant);
+  const LinearEstimator filter = AccelerometerFilter(loop);
+  // Force to sensed acceleration.
+  DifferencePolynomial denominator =
+      Multiply({plant.static_gap, plant.static_gap + plant.loss, 1}, {acceleration.sensor.circle.at_c, 1});
+  DifferencePolynomial numerator{0, acceleration.rise[0], acceleration.rise[1]};
+  int delays = plant.delay_ticks;
+  if (plant.hold[2] != 0) {
+    numerator.push_back(acceleration.rise[2]);
+    ++delays;
+  }
+  for (int i = 0; i < delays; ++i) {
+    denominator = Multiply(denominator, {1, 1});
+  }
+  const DifferencePolynomial rendered = Scaled(filter.numerator, mass);
+  const DifferencePolynomial feedback =
+      Scaled(Multiply(rendered, numerator), 1 / (loop.device_mass + loop.hand_mass));
+  const DifferencePolynomial characteristic = Sum(Multiply(filter.denominator, denominator), feedback);
+  const std::optional<double> gain = WhiteNoiseGain(Multiply(rendered, denominator), characteristic);
+  return gain ? std::optional(sample_noise * std::sqrt(*gain)) : std::nullopt;
 }
 
 }  // namespace mwidth::model

@@ -1,4 +1,4 @@
-// How much the commanded force buzzes because the encoder counts.
+// How much the commanded force buzzes because the encoder counts, or because the accelerometer is noisy.
 //
 // An encoder that resolves q adds an error within -q/2..q/2 to every position. While the joint moves over
 // many counts a period, and not at a constant speed, the errors are as good as white, of variance q^2/12. The
@@ -28,7 +28,15 @@ std::optional<double> OpenLoopForceNoise(const LinearEstimator& estimator, doubl
 /// that is measured again. This is the one to limit: near an edge of the M-width the loop rings with
 /// every count, and the open loop would not tell. None where `mass` is outside of the M-width.
 ///
-/// `position_quantum` at least 0, m or rad. Precondition: Validate(loop) is empty. Any thread.
+/// An accelerometer does not see the encoder: 0 with one. `position_quantum` at least 0, m or rad.
+/// Precondition: Validate(loop) is empty. Any thread.
 std::optional<double> ForceNoise(const LoopParameters& loop, double mass, double position_quantum);
+
+/// Standard deviation of M H / (1 + M H A) N with an accelerometer whose samples have white noise N of
+/// standard deviation `sample_noise`, at least 0, m/s^2 or rad/s^2 (accelerometer.h has A). A sensor whose
+/// noise has the density S below its bandwidth, in m/s^2/sqrt(Hz), has about S sqrt(pi/2 bandwidth). None
+/// where `mass` is outside of the M-width. Precondition: Validate(loop) is empty and
+/// IsAccelerometer(loop.estimator). Any thread.
+std::optional<double> AccelerometerForceNoise(const LoopParameters& loop, double mass, double sample_noise);
 
 }  // namespace mwidth::model

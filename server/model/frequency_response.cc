@@ -26,7 +26,12 @@ double Damping(const LoopParameters& loop) { return loop.device_damping + loop.h
 
 }  // namespace
 
-SampledResponse::SampledResponse(const LoopParameters& loop) : SampledResponse(loop, EstimatorOf(loop)) {}
+SampledResponse::SampledResponse(const LoopParameters& loop)
+    : SampledResponse(loop, IsAccelerometer(loop.estimator) ? AccelerometerFilter(loop) : EstimatorOf(loop)) {
+  if (IsAccelerometer(loop.estimator)) {
+    acceleration_ = DiscretizeAcceleration(loop, plant_);
+  }
+}
 
 SampledResponse::SampledResponse(const LoopParameters& loop, LinearEstimator estimator)
     : loop_(loop), estimator_(std::move(estimator)), plant_(Discretize(loop)) {
@@ -54,9 +59,17 @@ SampledResponse::ForceResponse SampledResponse::ToForce(const CircleFrequency& a
           .velocity = at.w * (newest_impulse_s_ * z + older_impulse_s_) * delay / MovingMass(loop_)};
 }
 
+Complex SampledResponse::ToSensed(const CircleFrequency& at) const {
+  const auto& n = acceleration_->rise;
+  const Complex device = (plant_.static_gap - std::norm(at.w)) * at.z + plant_.loss * at.w;
+  const Complex rise = (n[2] * at.w + n[1]) * at.w + n[0];
+  return at.w / device * rise / (at.w + acceleration_->sensor.circle.at_c) *
+         Delayed(at.z, plant_.delay_ticks + (plant_.hold[2] == 0 ? 0 : 1)) / MovingMass(loop_);
+}
+
 Complex SampledResponse::Loop(double mass, double frequency_hz) const {
   const CircleFrequency at = AtFrequency(frequency_hz, loop_.period_s);
-  return mass * estimator_.Response(at) * ToForce(at).position;
+  return mass * estimator_.Response(at) * (acceleration_ ? ToSensed(at) : ToForce(at).position);
 }
 
 HandResponse SampledResponse::ToHand(double mass, double frequency_hz, TickInstant instant) const {
@@ -71,8 +84,17 @@ HandResponse SampledResponse::ToHand(double mass, double frequency_hz, TickInsta
 
   const Complex rendered = mass * estimator_.Response(at);
   HandResponse response;
-  response.position = following / (1.0 + rendered * to_force.position);
-  const Complex commanded = rendered * response.position;
+  Complex commanded;
+  if (acceleration_) {
+    // The sensor hears the hand continuously; only what comes back from the motor is sampled and held.
+    const double sensor_rate = 2 * std::numbers::pi * loop_.accelerometer_bandwidth_hz;
+    const Complex sensed = s * s * sensor_rate / (s + sensor_rate) * following;
+    commanded = rendered * sensed / (1.0 + rendered * ToSensed(at));
+    response.position = following - to_force.position * commanded;
+  } else {
+    response.position = following / (1.0 + rendered * to_force.position);
+    commanded = rendered * response.position;
+  }
   response.velocity = s * following - to_force.velocity * commanded;
   const Complex drive = hand * lacking + commanded * (loop_.hand_stiffness * to_force.position +
                                                       loop_.hand_damping * to_force.velocity);

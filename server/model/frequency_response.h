@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "server/model/accelerometer.h"
 #include "server/model/linear_estimator.h"
 #include "server/model/loop_parameters.h"
 #include "server/model/plant.h"
@@ -38,12 +39,13 @@ class SampledResponse {
  public:
   /// With the estimator of the loop. Precondition: Validate(loop) is empty.
   explicit SampledResponse(const LoopParameters& loop);
-  /// With another one; those of the loop are not used.
+  /// With another one, from positions; those of the loop are not used.
   SampledResponse(const LoopParameters& loop, LinearEstimator estimator);
 
   /// L = M C(z) G(z) z^-delay at z = e^(j 2 pi f T); 1 + L is the characteristic function. `frequency_hz`
   /// above 0, or at least 0 where the hand has stiffness; at most half the sample rate to be meaningful. Any
   /// thread.
+  /// With an accelerometer L = M H(z) A(z) (accelerometer.h).
   std::complex<double> Loop(double mass, double frequency_hz) const;
   /// What a hand that moves as e^(j 2 pi f t), continuously, makes of device and force. Meaningful where
   /// `mass` is inside the M-width: elsewhere no steady state is reached. `frequency_hz` above 0. Any thread.
@@ -57,10 +59,14 @@ class SampledResponse {
     std::complex<double> velocity;
   };
   ForceResponse ToForce(const CircleFrequency& at) const;
+  // Actuator force to what an accelerometer tells at the ticks.
+  std::complex<double> ToSensed(const CircleFrequency& at) const;
 
   LoopParameters loop_;
+  // C(z), or an accelerometer's H(z).
   LinearEstimator estimator_;
   SampledPlant plant_;
+  std::optional<SampledAcceleration> acceleration_;
   double newest_impulse_s_;
   double older_impulse_s_;
 };

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <stdexcept>
 
 #include "server/model/estimator.h"
 
@@ -34,6 +35,9 @@ CircleFrequency AtFrequency(double frequency_hz, double period_s) {
 }
 
 LinearEstimator EstimatorOf(const LoopParameters& loop) {
+  if (IsAccelerometer(loop.estimator)) {
+    throw std::invalid_argument("an accelerometer's signal is no function of sampled positions");
+  }
   const EstimatorFactors factors = FactorsOf(loop.estimator, loop.period_s, loop.cutoff_hz);
   LinearEstimator estimator{.numerator = {0, 0, factors.gain / (loop.period_s * loop.period_s)},
                             .denominator = {1}};
@@ -54,6 +58,14 @@ LinearEstimator EstimatorOf(const LoopParameters& loop) {
                  DifferencePolynomial(coefficients.begin(), coefficients.begin() + 1 + pole.degree));
   }
   return estimator;
+}
+
+LinearEstimator AccelerometerFilter(const LoopParameters& loop) {
+  if (loop.estimator == EstimatorKind::kAccelerometer) {
+    return {.numerator = {1}, .denominator = {1}};
+  }
+  const double gap = FirstOrderLowPass::Factors(loop.period_s, loop.cutoff_hz).gain;
+  return {.numerator = {gap, gap}, .denominator = {gap, 1}};
 }
 
 }  // namespace mwidth::model

@@ -48,7 +48,12 @@ struct LinearEstimator {
 ///
 ///   C(z) = H(z) D(z) = f w^2 / (T^2 (w + 1) (w + f))
 ///
+/// Throws std::invalid_argument for an accelerometer: what that tells is no function of sampled positions.
 /// Precondition: Validate(loop) is empty. Any thread.
 LinearEstimator EstimatorOf(const LoopParameters& loop);
+
+/// What follows an accelerometer, sample to estimate: eq. 4, or 1 without a filter. Precondition:
+/// Validate(loop) is empty and IsAccelerometer(loop.estimator). Any thread.
+LinearEstimator AccelerometerFilter(const LoopParameters& loop);
 
 }  // namespace mwidth::model

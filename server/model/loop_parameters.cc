@@ -32,19 +32,25 @@ std::string Number(double value) {
 // Written so that NaN is out of range.
 bool Holds(const Range& range) { return range.value >= range.min && range.value <= range.max; }
 
-// estimator and cutoff_hz, for a period that is allowed.
+// estimator with its numbers, for a period that is allowed.
 std::optional<ParameterError> ValidateEstimator(const LoopParameters& loop) {
-  if (std::find(kEstimatorKinds.begin(), kEstimatorKinds.end(), loop.estimator) == kEstimatorKinds.end()) {
+  const bool accelerometer = IsAccelerometer(loop.estimator);
+  if (!accelerometer &&
+      std::find(kEstimatorKinds.begin(), kEstimatorKinds.end(), loop.estimator) == kEstimatorKinds.end()) {
     std::string names;
     for (const EstimatorKind kind : kEstimatorKinds) {
-      names += (names.empty() ? "" : ", ") + std::string(Name(kind));
+      names += std::string(Name(kind)) + ", ";
     }
+    names += std::string(Name(kAccelerometerKinds[0])) + ", " + Name(kAccelerometerKinds[1]);
     return ParameterError{"estimator", static_cast<double>(loop.estimator), "one of " + names};
   }
-  if (Runs(loop.estimator, loop.period_s, loop.cutoff_hz)) {
-    return std::nullopt;
+  if (accelerometer && !(loop.accelerometer_bandwidth_hz >= 0.1 && loop.accelerometer_bandwidth_hz <= 1e6)) {
+    return ParameterError{"accelerometer_bandwidth_hz", loop.accelerometer_bandwidth_hz, "0.1 to 1e6"};
   }
   const CutoffRange range = CutoffRangeOf(loop.estimator);
+  if (Contains(range, loop.period_s, loop.cutoff_hz)) {
+    return std::nullopt;
+  }
   std::string allowed = range.min > 0 ? "at least " + Number(range.min / loop.period_s) + " Hz" : "above 0";
   allowed += ", at most " +
              (range.max == 0.5 ? "half the sample rate" : Number(range.max) + " of the sample rate") + " (" +

@@ -9,7 +9,8 @@
 //   T                period_s          sample period
 //   f0 = w0/2 pi     cutoff_hz         cut-off of the estimator's low-pass filter, eq. 4
 //   d T + r T        delay_s           loop delay beyond the zero-order hold (0 in the paper)
-//   H(z)             estimator         the low-pass filter behind the double difference
+//   H(z)             estimator         the low-pass filter behind the double difference, or an accelerometer
+//   w_a/2 pi         accelerometer_bandwidth_hz   of the sensor itself; of accelerometers only
 #pragma once
 
 #include <optional>
@@ -29,6 +30,7 @@ struct LoopParameters {
   double cutoff_hz = 0;
   double delay_s = 0;
   EstimatorKind estimator = EstimatorKind::kFilteredDifference;
+  double accelerometer_bandwidth_hz = 0;
 };
 
 /// A parameter that is not finite or out of range.
@@ -45,8 +47,9 @@ struct ParameterError {
 
 /// The first parameter that the model does not support, if any: device_mass 1e-6..1e4; device_damping,
 /// hand_mass, hand_damping 0..1e4; hand_stiffness 0..1e6; period_s 1e-5..1e-2; estimator one of
-/// kEstimatorKinds; cutoff_hz above 0, at most 0.5/period_s, within CutoffRangeOf(estimator); delay_s 0..3
-/// period_s.
+/// kEstimatorKinds or kAccelerometerKinds; cutoff_hz above 0, at most 0.5/period_s, within
+/// CutoffRangeOf(estimator); accelerometer_bandwidth_hz 0.1..1e6 for an accelerometer, anything for the
+/// others, which do not use it; delay_s 0..3 period_s.
 std::optional<ParameterError> Validate(const LoopParameters& loop);
 
 }  // namespace mwidth::model

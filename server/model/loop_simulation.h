@@ -52,7 +52,8 @@ struct LoopSample {
 /// not numbers; a step never fails. One thread. All but the constructor is Rt.
 class LoopSimulation {
  public:
-  /// At rest at 0. Precondition: Validate of `loop` and of `imperfections` is empty; `mass` is finite.
+  /// At rest at 0. Precondition: Validate of `loop` and of `imperfections` is empty; the estimator is one of
+  /// kEstimatorKinds; `mass` is finite.
   LoopSimulation(const LoopParameters& loop, double mass, const Imperfections& imperfections = {}) noexcept;
 
   /// As after a long rest of the estimator at `position`, but with `velocity`; no force acts or is on its

@@ -4,6 +4,7 @@
 #include <limits>
 #include <numbers>
 
+#include "server/model/accelerometer.h"
 #include "server/model/crossing.h"
 #include "server/model/estimator.h"
 #include "server/model/plant.h"
@@ -13,6 +14,15 @@ namespace mwidth::model {
 namespace {
 
 constexpr double kLowestCutoffHz = 0.1;
+
+Crossings CrossingsOf(const LoopParameters& loop, const SampledPlant& plant) noexcept {
+  const double moving_mass = loop.device_mass + loop.hand_mass;
+  if (IsAccelerometer(loop.estimator)) {
+    const SampledAcceleration acceleration = DiscretizeAcceleration(loop, plant);
+    return FindCrossings(plant, acceleration, AccelerometerFactors(loop, acceleration), moving_mass);
+  }
+  return FindCrossings(plant, FactorsOf(loop.estimator, loop.period_s, loop.cutoff_hz), moving_mass);
+}
 
 }  // namespace
 
@@ -26,13 +36,13 @@ MWidth ComputeMWidth(const LoopParameters& loop) {
         "whatever mass is rendered";
     return m_width;
   }
-  const EstimatorFactors estimator = FactorsOf(loop.estimator, loop.period_s, loop.cutoff_hz);
   // A rising mass, and a falling one, first meets the crossing nearest to 0 on its side. There is one on
   // each: behind a hold the loop's numerator is below its denominator by one degree or more, whatever the
-  // estimator, so a large enough mass of either sign drives a root to infinity.
+  // estimator, so a large enough mass of either sign drives a root to infinity. An accelerometer that tells
+  // nothing, because damping leaves nothing to tell within a tick, has infinite edges.
   Crossing lower{.mass = -std::numeric_limits<double>::infinity()};
   Crossing upper{.mass = std::numeric_limits<double>::infinity()};
-  for (const Crossing& crossing : FindCrossings(plant, estimator, loop.device_mass + loop.hand_mass)) {
+  for (const Crossing& crossing : CrossingsOf(loop, plant)) {
     if (crossing.mass > 0 && crossing.mass < upper.mass) {
       upper = crossing;
     } else if (crossing.mass < 0 && crossing.mass > lower.mass) {

@@ -44,6 +44,10 @@ v1::EstimatorKind Kind(model::EstimatorKind estimator) {
       return v1::ESTIMATOR_KIND_BUTTERWORTH;
     case model::EstimatorKind::kKalman:
       return v1::ESTIMATOR_KIND_KALMAN;
+    // No loop that is served has one: the configuration refuses them.
+    case model::EstimatorKind::kAccelerometer:
+    case model::EstimatorKind::kFilteredAccelerometer:
+      break;
   }
   return v1::ESTIMATOR_KIND_UNSPECIFIED;
 }

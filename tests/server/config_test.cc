@@ -166,6 +166,9 @@ TEST_F(ConfigTest, ReadsTheEstimatorAndItsCutoffs) {
   EXPECT_EQ(with("kalman", "500"), "accepted");
   EXPECT_THAT(with("butterworth", "495"),
               AllOf(HasSubstr("axis.loop.cutoff_hz is 495"), HasSubstr("to 490")));
+  EXPECT_THAT(with("filtered-accelerometer", "30"),
+              AllOf(HasSubstr("axis.loop.estimator is \"filtered-accelerometer\""),
+                    HasSubstr("no drive reads an accelerometer")));
   EXPECT_THAT(with("savitzky-golay", "30"), AllOf(HasSubstr("axis.loop.estimator is \"savitzky-golay\""),
                                                   HasSubstr("\"butterworth\", \"kalman\"")));
   EXPECT_EQ(ErrorAfter(shipped, last), "accepted");

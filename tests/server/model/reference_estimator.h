@@ -152,6 +152,9 @@ inline ReferenceEstimator EstimatorIn50Digits(const LoopParameters& loop) {
                                        k.alpha + k.beta + k.gamma / 2 - 3, 1};
       return {{0, k.gamma}, denominator};
     }
+    case EstimatorKind::kAccelerometer:
+    case EstimatorKind::kFilteredAccelerometer:
+      break;  // not from positions
   }
   return {};
 }
