@@ -27,10 +27,11 @@ def seconds(value):
 class ServerProcess:
     """A running mwidthd on a free port. As a context manager it ends with SIGTERM and exit code 0."""
 
-    def __init__(self, *arguments):
+    def __init__(self, *arguments, environment=None):
         self.process = subprocess.Popen(
             [BUILD / "bin" / "mwidthd", "--listen", "127.0.0.1:0", *map(str, arguments)],
-            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+            env=os.environ | (environment or {}))
         self.address = self._address()
         self.channel = grpc.insecure_channel(self.address)
         self.rendering = rendering_pb2_grpc.RenderingServiceStub(self.channel)
