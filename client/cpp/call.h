@@ -1,9 +1,11 @@
-// One unary call: a deadline, and an exception where it fails.
+// One unary call: a deadline, and an exception where it fails, or the refusal that it comes back with.
 #pragma once
 
 #include <grpcpp/client_context.h>
 
 #include <chrono>
+#include <utility>
+#include <variant>
 
 #include "client/cpp/failure.h"
 
@@ -28,6 +30,25 @@ Response Call(Stub& stub, grpc::Status (Stub::*method)(grpc::ClientContext*, con
     throw Error(status);
   }
   return response;
+}
+
+/// The same for a method that may refuse a mass: the response, or the refusal in its place.
+template <typename Stub, typename Request, typename Response, typename Duration>
+std::variant<Response, Refusal> CallOrRefusal(Stub& stub,
+                                              grpc::Status (Stub::*method)(grpc::ClientContext*,
+                                                                           const Request&, Response*),
+                                              const Request& request, Duration timeout) {
+  grpc::ClientContext context;
+  SetTimeout(context, timeout);
+  Response response;
+  const auto status = (stub.*method)(&context, request, &response);
+  if (status.ok()) {
+    return response;
+  }
+  if (auto refusal = DecodeRefusal(status)) {
+    return *std::move(refusal);
+  }
+  throw Error(status);
 }
 
 }  // namespace mwidth::client

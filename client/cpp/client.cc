@@ -66,11 +66,20 @@ v1::AxisState Client::Axis(const std::string& axis) const {
   return std::move(*response.mutable_axes(0));
 }
 
-v1::GetMWidthResponse Client::MWidth(const std::string& axis, const v1::LoopParameters& overrides) const {
+v1::GetMWidthResponse Client::MWidth(const std::string& axis, const v1::LoopParameters& overrides,
+                                     const std::optional<v1::HandEnvelope>& envelope,
+                                     const std::optional<v1::DeviceTolerance>& tolerance) const {
   v1::GetMWidthRequest request;
   request.set_axis(axis);
   *request.mutable_loop() = overrides;
-  return Call(*stability_, &v1::StabilityService::StubInterface::GetMWidth, request, call_timeout_);
+  if (envelope) {
+    *request.mutable_envelope() = *envelope;
+  }
+  if (tolerance) {
+    *request.mutable_tolerance() = *tolerance;
+  }
+  return Call(*stability_, &v1::StabilityService::StubInterface::GetMWidth, request,
+              envelope || tolerance ? kAnalysisTimeout : call_timeout_);
 }
 
 v1::GetFrequencyResponseResponse Client::FrequencyResponse(

@@ -21,7 +21,7 @@ namespace mwidth::client {
 
 /// Default bound on every call and on the connection attempt.
 inline constexpr Seconds kCallTimeout{5};
-/// Bound on what the server computes for longer: sweeps and simulations.
+/// Bound on what the server computes for longer: sweeps, simulations, and proofs over an envelope.
 inline constexpr Seconds kAnalysisTimeout{300};
 
 /// Everything that a client may ask of one server. An empty `axis` means the only one, as in the API.
@@ -41,8 +41,12 @@ class Client {
   v1::GetStateResponse State(const std::string& axis = "") const;
   /// The same for one axis; throws Error (NOT_FOUND) where `axis` is empty and the server has several.
   v1::AxisState Axis(const std::string& axis = "") const;
-  /// The M-width of the axis's loop, with the fields that are set in `overrides` in place of its own.
-  v1::GetMWidthResponse MWidth(const std::string& axis = "", const v1::LoopParameters& overrides = {}) const;
+  /// The M-width of the axis's loop, with the fields that are set in `overrides` in place of its own. Robust
+  /// over the hands of `envelope` and the devices of `tolerance` where either is given; otherwise over the
+  /// axis's own, which an override leaves out. With either up to kAnalysisTimeout.
+  v1::GetMWidthResponse MWidth(const std::string& axis = "", const v1::LoopParameters& overrides = {},
+                               const std::optional<v1::HandEnvelope>& envelope = std::nullopt,
+                               const std::optional<v1::DeviceTolerance>& tolerance = std::nullopt) const;
   /// What the loop does to a sinusoid, and what the hand feels of the device over frequency.
   v1::GetFrequencyResponseResponse FrequencyResponse(const v1::GetFrequencyResponseRequest& request) const;
   /// How truly and how quietly a mass is rendered; with `request.simulate` up to kAnalysisTimeout.

@@ -72,28 +72,30 @@ MassAnswer Control::SetMass(double mass, std::optional<Seconds> ramp) {
     *request.mutable_ramp() = google::protobuf::util::TimeUtil::NanosecondsToDuration(
         std::chrono::duration_cast<nanoseconds>(*ramp).count());
   }
-  return RequestMass(request);
+  return CallOrRefusal(*stub_, &Stub::SetMass, request, call_timeout_);
 }
 
 MassAnswer Control::ValidateMass(double mass) {
   auto request = Addressed<v1::SetMassRequest>(axis_, lease_);
   request.set_mass(mass);
   request.set_validate_only(true);
-  return RequestMass(request);
+  return CallOrRefusal(*stub_, &Stub::SetMass, request, call_timeout_);
 }
 
-MassAnswer Control::RequestMass(const v1::SetMassRequest& request) {
-  grpc::ClientContext context;
-  SetTimeout(context, call_timeout_);
-  v1::SetMassResponse response;
-  const auto status = stub_->SetMass(&context, request, &response);
-  if (status.ok()) {
-    return response;
-  }
-  if (auto refusal = DecodeRefusal(status)) {
-    return *std::move(refusal);
-  }
-  throw Error(status);
+FilterAnswer Control::SetFilter(v1::EstimatorKind estimator, double cutoff_hz) {
+  return RequestFilter(estimator, cutoff_hz, /*validate_only=*/false);
+}
+
+FilterAnswer Control::ValidateFilter(v1::EstimatorKind estimator, double cutoff_hz) {
+  return RequestFilter(estimator, cutoff_hz, /*validate_only=*/true);
+}
+
+FilterAnswer Control::RequestFilter(v1::EstimatorKind estimator, double cutoff_hz, bool validate_only) {
+  auto request = Addressed<v1::SetFilterRequest>(axis_, lease_);
+  request.set_estimator(estimator);
+  request.set_cutoff_hz(cutoff_hz);
+  request.set_validate_only(validate_only);
+  return CallOrRefusal(*stub_, &Stub::SetFilter, request, call_timeout_);
 }
 
 std::optional<Error> Control::Loss() const {

@@ -21,6 +21,8 @@ using Seconds = std::chrono::duration<double>;
 
 /// Either the admitted mass with its margins, or the refusal with the range that would be admitted.
 using MassAnswer = std::variant<v1::SetMassResponse, Refusal>;
+/// Either the loop with its new filter, or the refusal of the mass that is set, judged with that filter.
+using FilterAnswer = std::variant<v1::SetFilterResponse, Refusal>;
 
 /// The control lease of an axis. A thread of its own renews it at a third of its time to live; the destructor
 /// releases it, and the server then ramps the mass to zero. When this process dies or hangs, the renewals
@@ -50,6 +52,13 @@ class Control {
   MassAnswer SetMass(double mass, std::optional<Seconds> ramp = std::nullopt);
   /// The answer that SetMass would give. Changes nothing.
   MassAnswer ValidateMass(double mass);
+  /// Asks for another filter of the acceleration and returns when the loop runs it: `estimator`, unspecified
+  /// for the running one, with its cut-off in Hz, above 0 and at most half the sample rate. The mass that is
+  /// set stays; while it is rendered the loop takes it to zero, changes, and takes it back. A filter that
+  /// this mass is not admitted with is a refusal, an answer; every other failure throws.
+  FilterAnswer SetFilter(v1::EstimatorKind estimator, double cutoff_hz);
+  /// The answer that SetFilter would give. Changes nothing.
+  FilterAnswer ValidateFilter(v1::EstimatorKind estimator, double cutoff_hz);
   /// From FAULT to IDLE, once its cause is gone.
   v1::ClearFaultResponse ClearFault();
 
@@ -60,7 +69,7 @@ class Control {
   bool WaitForLoss(std::stop_token stop, Seconds timeout);
 
  private:
-  MassAnswer RequestMass(const v1::SetMassRequest& request);
+  FilterAnswer RequestFilter(v1::EstimatorKind estimator, double cutoff_hz, bool validate_only);
   void RenewUntilStopped(const std::stop_token& stop);
   void Release() noexcept;
 

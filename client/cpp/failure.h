@@ -11,8 +11,8 @@
 
 namespace mwidth::client {
 
-/// A mass that the server will not render, and what it would. An answer, not an error: the rendered mass
-/// stays.
+/// A mass that the server will not render, asked for or, with another filter, set already; and what it would
+/// render. An answer, not an error: mass and filter stay.
 struct Refusal {
   /// The server's own words.
   std::string sentence;

@@ -18,6 +18,7 @@ v1::LoopParameters Loop() {
   loop.set_period_s(0.001);
   loop.set_cutoff_hz(10);
   loop.set_delay_s(0.0005);
+  loop.set_estimator(v1::ESTIMATOR_KIND_FILTERED_DIFFERENCE);
   return loop;
 }
 
@@ -26,6 +27,8 @@ v1::MWidth Width() {
   width.mutable_nominal()->set_min(-0.07);
   width.mutable_nominal()->set_max(0.5);
   *width.mutable_robust() = width.nominal();
+  *width.mutable_min_binding() = Loop();
+  *width.mutable_max_binding() = Loop();
   width.mutable_admitted()->set_min(kAdmittedMin);
   width.mutable_admitted()->set_max(kAdmittedMax);
   width.set_min_critical_hz(3.25);
@@ -41,6 +44,15 @@ v1::StabilityReport Report(double mass) {
   *report.mutable_loop() = Loop();
   report.set_gain_margin_db(20 * std::log10((mass < 0 ? -0.07 : 0.5) / mass));
   report.set_critical_hz(mass < 0 ? 3.25 : 60.5);
+  auto& margins = *report.mutable_margins();
+  margins.set_gain_db(report.gain_margin_db());
+  margins.set_gain_hz(report.critical_hz());
+  margins.set_phase_deg(41.5);
+  margins.set_phase_hz(22);
+  margins.set_delay_s(0.003);
+  margins.set_delay_at_least(true);
+  margins.set_modulus(0.25);
+  margins.set_modulus_hz(31);
   report.set_binding("The delay of the loop sets this edge.");
   report.set_nearest_admitted_mass(std::clamp(mass, kAdmittedMin, kAdmittedMax));
   if (mass > kAdmittedMax) {

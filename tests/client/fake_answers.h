@@ -12,6 +12,9 @@ namespace mwidth::testing {
 inline constexpr double kAdmittedMin = -0.0512345678;
 inline constexpr double kAdmittedMax = 0.3512345678;
 
+/// Highest cut-off that the mass that is set is admitted with.
+inline constexpr double kMaxCutoffHz = 40;
+
 v1::LoopParameters Loop();
 v1::MWidth Width();
 /// The report on `mass`, admitted or not.

@@ -114,6 +114,35 @@ class FakeServer::Rendering : public v1::RenderingService::Service {
     }
     return Called("SetMass");
   }
+  // The mass that is set is stable up to a cut-off of 40 Hz.
+  grpc::Status SetFilter(grpc::ServerContext*, const v1::SetFilterRequest* request,
+                         v1::SetFilterResponse* response) override {
+    const std::lock_guard lock(fake_.mutex_);
+    if (const auto status = CheckLease(request->lease_id()); !status.ok()) {
+      return status;
+    }
+    if (!(request->cutoff_hz() > 0)) {
+      return Failure(grpc::StatusCode::INVALID_ARGUMENT, "INVALID_NUMBER", "cutoff_hz must be above 0");
+    }
+    auto report = Report(fake_.axis_.target_mass());
+    report.mutable_loop()->set_cutoff_hz(request->cutoff_hz());
+    if (request->estimator() != v1::ESTIMATOR_KIND_UNSPECIFIED) {
+      report.mutable_loop()->set_estimator(request->estimator());
+    }
+    if (request->cutoff_hz() > kMaxCutoffHz) {
+      return Failure(grpc::StatusCode::FAILED_PRECONDITION, "UNSTABLE_MASS",
+                     "the mass that is set would be unstable", &report);
+    }
+    *response->mutable_loop() = report.loop();
+    *response->mutable_stability() = report;
+    fake_.last_filter_ = *request;
+    if (request->validate_only()) {
+      return Called("ValidateFilter");
+    }
+    *fake_.axis_.mutable_info()->mutable_loop() = report.loop();
+    response->set_tick(fake_.axis_.tick());
+    return Called("SetFilter");
+  }
   grpc::Status EmergencyStop(grpc::ServerContext*, const v1::EmergencyStopRequest* request,
                              v1::EmergencyStopResponse* response) override {
     const std::lock_guard lock(fake_.mutex_);
@@ -156,7 +185,7 @@ class FakeServer::Stability : public v1::StabilityService::Service {
   grpc::Status GetMWidth(grpc::ServerContext*, const v1::GetMWidthRequest* request,
                          v1::GetMWidthResponse* response) override {
     const std::lock_guard lock(fake_.mutex_);
-    fake_.last_overrides_ = request->loop();
+    fake_.last_m_width_ = *request;
     *response->mutable_loop() = Loop();
     response->mutable_loop()->MergeFrom(request->loop());
     *response->mutable_m_width() = Width();
@@ -286,9 +315,14 @@ std::string FakeServer::StopReason() const {
   return stop_reason_;
 }
 
-v1::LoopParameters FakeServer::LastOverrides() const {
+v1::SetFilterRequest FakeServer::LastFilter() const {
   const std::lock_guard lock(mutex_);
-  return last_overrides_;
+  return last_filter_;
+}
+
+v1::GetMWidthRequest FakeServer::LastMWidth() const {
+  const std::lock_guard lock(mutex_);
+  return last_m_width_;
 }
 
 }  // namespace mwidth::testing

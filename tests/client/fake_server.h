@@ -55,7 +55,8 @@ class FakeServer {
   bool WaitForCall(const std::string& method);
   v1::SetMassRequest LastMass() const;
   std::string StopReason() const;
-  v1::LoopParameters LastOverrides() const;
+  v1::SetFilterRequest LastFilter() const;
+  v1::GetMWidthRequest LastMWidth() const;
 
  private:
   class Rendering;
@@ -69,7 +70,8 @@ class FakeServer {
   int renewals_ = 0;
   v1::SetMassRequest last_mass_;
   std::string stop_reason_;
-  v1::LoopParameters last_overrides_;
+  v1::SetFilterRequest last_filter_;
+  v1::GetMWidthRequest last_m_width_;
   v1::AxisState axis_;
 
   std::unique_ptr<Rendering> rendering_;

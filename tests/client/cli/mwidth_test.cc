@@ -52,10 +52,10 @@ TEST_F(MwidthTest, JsonKeepsTheNamesOfTheApi) {
 TEST_F(MwidthTest, MWidthTakesOverrides) {
   const auto outcome = Run({"m-width", "--rate-hz", "500", "--cutoff-hz=30", "--hand-stiffness", "0"});
   EXPECT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_EQ(server_.LastOverrides().period_s(), 0.002);
-  EXPECT_EQ(server_.LastOverrides().cutoff_hz(), 30);
-  EXPECT_TRUE(server_.LastOverrides().has_hand_stiffness());
-  EXPECT_FALSE(server_.LastOverrides().has_device_mass());
+  EXPECT_EQ(server_.LastMWidth().loop().period_s(), 0.002);
+  EXPECT_EQ(server_.LastMWidth().loop().cutoff_hz(), 30);
+  EXPECT_TRUE(server_.LastMWidth().loop().has_hand_stiffness());
+  EXPECT_FALSE(server_.LastMWidth().loop().has_device_mass());
   EXPECT_THAT(outcome.out, AllOf(HasSubstr("500 Hz, cut-off 30 Hz"), HasSubstr("-1.4"), HasSubstr("10"),
                                  HasSubstr("oscillates at 3.25 Hz (lower) and 60.5 Hz (upper)")));
 }

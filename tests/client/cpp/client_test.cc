@@ -59,10 +59,27 @@ TEST(ClientTest, MWidthSendsOnlyTheOverridesThatAreSet) {
   v1::LoopParameters overrides;
   overrides.set_hand_stiffness(0);
   const auto response = client.MWidth("", overrides);
-  EXPECT_TRUE(server.LastOverrides().has_hand_stiffness());
-  EXPECT_FALSE(server.LastOverrides().has_cutoff_hz());
+  EXPECT_TRUE(server.LastMWidth().loop().has_hand_stiffness());
+  EXPECT_FALSE(server.LastMWidth().loop().has_cutoff_hz());
   EXPECT_EQ(response.loop().hand_stiffness(), 0);
   EXPECT_EQ(response.m_width().nominal().max(), 0.5);
+}
+
+TEST(ClientTest, MWidthSendsAnEnvelopeOnlyWhereOneIsGiven) {
+  const FakeServer server;
+  const auto client = Client::Connect(server.address());
+  client.MWidth();
+  EXPECT_FALSE(server.LastMWidth().has_envelope());
+  EXPECT_FALSE(server.LastMWidth().has_tolerance());
+  // An envelope without a range is one all the same: any hand like the axis's own.
+  client.MWidth("", {}, v1::HandEnvelope());
+  EXPECT_TRUE(server.LastMWidth().has_envelope());
+  EXPECT_FALSE(server.LastMWidth().has_tolerance());
+  v1::DeviceTolerance tolerance;
+  tolerance.mutable_mass()->set_max(0.06);
+  client.MWidth("", {}, std::nullopt, tolerance);
+  EXPECT_FALSE(server.LastMWidth().has_envelope());
+  EXPECT_EQ(server.LastMWidth().tolerance().mass().max(), 0.06);
 }
 
 TEST(ClientTest, EmergencyStopNeedsNoLeaseAndCarriesItsReason) {

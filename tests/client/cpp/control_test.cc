@@ -69,6 +69,42 @@ TEST(ControlTest, ValidateMassChangesNothing) {
   EXPECT_TRUE(std::holds_alternative<Refusal>(control.ValidateMass(0.8)));
 }
 
+TEST(ControlTest, AFilterIsChangedAndAnsweredWithItsLoop) {
+  const FakeServer server;
+  auto control = Client::Connect(server.address()).AcquireControl("test");
+  const auto answer = control.SetFilter(v1::ESTIMATOR_KIND_KALMAN, 20);
+  ASSERT_TRUE(std::holds_alternative<v1::SetFilterResponse>(answer));
+  const auto& response = std::get<v1::SetFilterResponse>(answer);
+  EXPECT_EQ(response.loop().estimator(), v1::ESTIMATOR_KIND_KALMAN);
+  EXPECT_EQ(response.loop().cutoff_hz(), 20);
+  EXPECT_EQ(response.stability().loop().cutoff_hz(), 20);
+  EXPECT_FALSE(server.LastFilter().validate_only());
+  control.SetFilter(v1::ESTIMATOR_KIND_UNSPECIFIED, 30);
+  EXPECT_EQ(server.LastFilter().estimator(), v1::ESTIMATOR_KIND_UNSPECIFIED);
+  EXPECT_THAT(server.Calls(), ElementsAre("AcquireControl", "SetFilter", "SetFilter"));
+}
+
+TEST(ControlTest, AFilterThatTheMassIsUnstableWithIsAnAnswer) {
+  const FakeServer server;
+  auto control = Client::Connect(server.address()).AcquireControl("test");
+  control.SetMass(0.1);
+  const auto answer = control.SetFilter(v1::ESTIMATOR_KIND_UNSPECIFIED, 100);
+  ASSERT_TRUE(std::holds_alternative<Refusal>(answer));
+  EXPECT_EQ(std::get<Refusal>(answer).reason, "UNSTABLE_MASS");
+  EXPECT_EQ(std::get<Refusal>(answer).stability.requested_mass(), 0.1);
+  EXPECT_THROW(control.SetFilter(v1::ESTIMATOR_KIND_UNSPECIFIED, -1), Error);
+}
+
+TEST(ControlTest, ValidateFilterChangesNothing) {
+  const FakeServer server;
+  auto control = Client::Connect(server.address()).AcquireControl("test");
+  EXPECT_TRUE(
+      std::holds_alternative<v1::SetFilterResponse>(control.ValidateFilter(v1::ESTIMATOR_KIND_KALMAN, 20)));
+  EXPECT_TRUE(server.LastFilter().validate_only());
+  EXPECT_TRUE(std::holds_alternative<Refusal>(control.ValidateFilter(v1::ESTIMATOR_KIND_KALMAN, 100)));
+  EXPECT_THAT(server.Calls(), ElementsAre("AcquireControl", "ValidateFilter"));
+}
+
 TEST(ControlTest, RenewsInTheBackground) {
   FakeServer server;
   auto control = Client::Connect(server.address()).AcquireControl("test", "", Seconds(1));

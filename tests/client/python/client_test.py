@@ -8,7 +8,7 @@ import grpc
 import mwidth
 import numpy as np
 from fake_server import ADMITTED, FakeServer
-from mwidth.v1 import rendering_pb2
+from mwidth.v1 import rendering_pb2, stability_pb2
 
 
 class ClientTest(unittest.TestCase):
@@ -34,10 +34,70 @@ class ClientTest(unittest.TestCase):
 
     def test_m_width_sends_only_the_overrides_that_are_given(self):
         response = self.client.m_width(hand_stiffness=0)
-        self.assertTrue(self.server.overrides.HasField("hand_stiffness"))
-        self.assertFalse(self.server.overrides.HasField("cutoff_hz"))
+        self.assertTrue(self.server.last_request.loop.HasField("hand_stiffness"))
+        self.assertFalse(self.server.last_request.loop.HasField("cutoff_hz"))
+        self.assertFalse(self.server.last_request.HasField("envelope"))
         self.assertEqual(response.loop.hand_stiffness, 0)
         self.assertEqual(response.m_width.admitted.max, ADMITTED[1])
+
+    def test_an_envelope_is_given_as_ranges_or_as_a_message(self):
+        self.client.m_width(envelope={"stiffness": (100, 2000), "include_released_hand": True})
+        envelope = self.server.last_request.envelope
+        self.assertEqual((envelope.stiffness.min, envelope.stiffness.max), (100, 2000))
+        self.assertFalse(envelope.HasField("damping"))
+        self.assertTrue(envelope.include_released_hand)
+        self.assertFalse(self.server.last_request.HasField("tolerance"))
+        self.client.m_width(envelope=envelope, tolerance={"mass": (0.04, 0.06)})
+        self.assertEqual(self.server.last_request.envelope, envelope)
+        self.assertEqual(self.server.last_request.tolerance.mass.max, 0.06)
+        # Without a range, any hand like the axis's own: an envelope all the same.
+        self.client.m_width(envelope={})
+        self.assertTrue(self.server.last_request.HasField("envelope"))
+        with self.assertRaises(ValueError):
+            self.client.m_width(envelope={"strength": (1, 2)})
+
+    def test_estimators_go_by_the_names_of_the_configuration(self):
+        self.assertEqual(
+            self.client.m_width(estimator="late-filtered-difference").loop.estimator,
+            stability_pb2.ESTIMATOR_KIND_LATE_FILTERED_DIFFERENCE,
+        )
+        response = self.client.frequency_response(0.1, estimator=stability_pb2.ESTIMATOR_KIND_KALMAN)
+        self.assertEqual(response.loop.estimator, stability_pb2.ESTIMATOR_KIND_KALMAN)
+        for unknown in ("guess", "unspecified", ""):
+            with self.assertRaisesRegex(ValueError, "butterworth, kalman"):
+                self.client.m_width(estimator=unknown)
+
+    def test_a_frequency_response_is_asked_for_by_mass_and_range(self):
+        response = self.client.frequency_response(0.1, min_hz=1, count=2, continuous=True, cutoff_hz=20)
+        self.assertEqual(list(response.frequency_hz), [1, 2])
+        request = self.server.last_request
+        self.assertEqual((request.mass, request.min_hz, request.max_hz, request.count), (0.1, 1, 0, 2))
+        self.assertEqual(request.model, stability_pb2.RESPONSE_MODEL_CONTINUOUS)
+        self.assertEqual(request.loop.cutoff_hz, 20)
+
+    def test_accuracy_is_asked_for_by_mass_and_motion(self):
+        response = self.client.accuracy(0.1, max_hz=2, simulate=True, delay_s=0.001)
+        self.assertAlmostEqual(response.accuracy.ideal_mass, 0.15)
+        self.assertEqual(self.server.last_request.band.max_hz, 2)
+        self.assertTrue(self.server.last_request.simulate)
+        self.assertEqual(response.loop.delay_s, 0.001)
+
+    def test_a_sweep_is_arrays(self):
+        sweep = self.client.sweep(
+            mwidth.sweep_range("cutoff_hz", 1, 3, count=3), mwidth.sweep_range("hand_damping", 5, 6, logarithmic=True)
+        )
+        self.assertTrue(self.server.last_request.y.logarithmic)
+        self.assertEqual(self.server.last_request.x.parameter, stability_pb2.SWEEP_PARAMETER_CUTOFF_HZ)
+        np.testing.assert_array_equal(sweep.x, [1, 2, 3])
+        np.testing.assert_array_equal(sweep.y, [5, 6])
+        np.testing.assert_array_equal(sweep.min, [[-1, -2, -3]] * 2)
+        np.testing.assert_array_equal(sweep.max, [[1, 2, math.nan]] * 2)
+        self.assertEqual(self.client.sweep(mwidth.sweep_range("delay_s", 0, 0.001)).min.shape, (1, 21))
+        with self.assertRaisesRegex(ValueError, "cutoff_hz, delay_s"):
+            mwidth.sweep_range("cut-off", 1, 2)
+        with self.assertRaises(mwidth.Error) as raised:
+            self.client.sweep(mwidth.sweep_range("delay_s", 0, 0.001), axis="knee")
+        self.assertEqual(raised.exception.reason, "UNKNOWN_AXIS")
 
     def test_emergency_stop_needs_no_control(self):
         self.server.held_by_another = True
@@ -84,6 +144,23 @@ class ControlTest(unittest.TestCase):
             control.set_mass(0.1, validate_only=True)
             self.assertFalse(self.server.last_request.HasField("ramp"))
         self.assertNotIn("SetMass", self.server.calls)
+
+    def test_a_filter_is_changed(self):
+        with self.client.control("test") as control:
+            answer = control.set_filter(20, estimator="kalman")
+            self.assertEqual(answer.loop.cutoff_hz, 20)
+            self.assertEqual(answer.loop.estimator, stability_pb2.ESTIMATOR_KIND_KALMAN)
+            control.set_filter(30, validate_only=True)
+            self.assertEqual(self.server.last_request.estimator, stability_pb2.ESTIMATOR_KIND_UNSPECIFIED)
+        self.assertEqual(self.server.calls, ["AcquireControl", "SetFilter", "ReleaseControl"])
+
+    def test_a_filter_that_the_mass_is_unstable_with_is_refused(self):
+        with self.client.control("test") as control:
+            control.set_mass(0.1)
+            with self.assertRaises(mwidth.Refused) as raised:
+                control.set_filter(100)
+            self.assertEqual(raised.exception.stability.requested_mass, 0.1)
+        self.assertNotIn("SetFilter", self.server.calls)
 
     def test_control_held_by_another_is_an_error(self):
         self.server.held_by_another = True

@@ -20,6 +20,7 @@ DEVICE_MASS = 0.05
 DEVICE_DAMPING = 0.1
 NOMINAL = (-0.045, 0.5)
 ADMITTED = (-0.03, 0.35)
+MAX_CUTOFF_HZ = 40
 REACH_S = 0.8
 HOLD_S = 1.2
 AMPLITUDE_RAD = math.radians(30)
@@ -47,6 +48,7 @@ def loop():
         period_s=PERIOD_S,
         cutoff_hz=10,
         delay_s=0,
+        estimator=stability_pb2.ESTIMATOR_KIND_FILTERED_DIFFERENCE,
     )
 
 
@@ -56,6 +58,25 @@ def m_width():
     width.robust.CopyFrom(width.nominal)
     width.admitted.min, width.admitted.max = ADMITTED
     return width
+
+
+def analysed(request):
+    """The loop with the overrides of a request."""
+    merged = loop()
+    merged.MergeFrom(request.loop)
+    return merged
+
+
+def stability_report(mass):
+    edge = NOMINAL[0] if mass < 0 else NOMINAL[1]
+    return stability_pb2.StabilityReport(
+        requested_mass=mass,
+        m_width=m_width(),
+        loop=loop(),
+        gain_margin_db=20 * math.log10(edge / mass) if mass else math.inf,
+        binding="The delay of the loop sets this edge.",
+        nearest_admitted_mass=min(max(mass, ADMITTED[0]), ADMITTED[1]),
+    )
 
 
 class FakeServer(
@@ -73,7 +94,6 @@ class FakeServer(
         self.end_stream_after = None
         self.last_request = None
         self.stop_reason = None
-        self.overrides = None
         self._changed = threading.Condition()
         self._mass = 0.0
         self._state = rendering.STATE_IDLE
@@ -169,15 +189,7 @@ class FakeServer(
         self._check(request, context)
         if not math.isfinite(request.mass):
             self._fail(context, grpc.StatusCode.INVALID_ARGUMENT, "INVALID_NUMBER", "mass must be finite")
-        edge = NOMINAL[0] if request.mass < 0 else NOMINAL[1]
-        report = stability_pb2.StabilityReport(
-            requested_mass=request.mass,
-            m_width=m_width(),
-            loop=loop(),
-            gain_margin_db=20 * math.log10(edge / request.mass) if request.mass else math.inf,
-            binding="The delay of the loop sets this edge.",
-            nearest_admitted_mass=min(max(request.mass, ADMITTED[0]), ADMITTED[1]),
-        )
+        report = stability_report(request.mass)
         if not ADMITTED[0] < request.mass < ADMITTED[1]:
             report.admitting_cutoff_hz = 4.5
             self._fail(
@@ -188,12 +200,48 @@ class FakeServer(
             self.calls.append("SetMass")
         return rendering.SetMassResponse(mass=request.mass, stability=report)
 
+    def SetFilter(self, request, context):
+        """The mass that is set is stable up to a cut-off of 40 Hz."""
+        self._check(request, context)
+        report = stability_report(self._mass)
+        if request.cutoff_hz > MAX_CUTOFF_HZ:
+            self._fail(
+                context,
+                grpc.StatusCode.FAILED_PRECONDITION,
+                "UNSTABLE_MASS",
+                "the mass that is set would be unstable",
+                report,
+            )
+        report.loop.cutoff_hz = request.cutoff_hz
+        if request.estimator:
+            report.loop.estimator = request.estimator
+        if not request.validate_only:
+            self.calls.append("SetFilter")
+        return rendering.SetFilterResponse(loop=report.loop, stability=report)
+
     def GetMWidth(self, request, context):
         self._check(request, context)
-        self.overrides = request.loop
-        analysed = loop()
-        analysed.MergeFrom(request.loop)
-        return stability_pb2.GetMWidthResponse(m_width=m_width(), loop=analysed)
+        return stability_pb2.GetMWidthResponse(m_width=m_width(), loop=analysed(request))
+
+    def SweepMWidth(self, request, context):
+        """Two rows, the edges x and -x, where y is given; otherwise one."""
+        self._check(request, context)
+        rows = 2 if request.HasField("y") else 1
+        x = np.linspace(request.x.min, request.x.max, request.x.count)
+        for row in range(rows):
+            yield stability_pb2.SweepMWidthResponse(
+                row=row, row_count=rows, y=request.y.min + row, x=x, min=-x, max=[*x[:-1], math.nan]
+            )
+
+    def GetFrequencyResponse(self, request, context):
+        self._check(request, context)
+        return stability_pb2.GetFrequencyResponseResponse(loop=analysed(request), frequency_hz=[1, 2])
+
+    def GetAccuracy(self, request, context):
+        self._check(request, context)
+        return stability_pb2.GetAccuracyResponse(
+            loop=analysed(request), accuracy=stability_pb2.Accuracy(ideal_mass=DEVICE_MASS + request.mass)
+        )
 
     def StreamSamples(self, request, context):
         """Before the third batch, two ticks are missed and three not delivered."""

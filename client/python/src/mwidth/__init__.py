@@ -10,6 +10,7 @@
             ...  # batch.position, batch.force: numpy arrays
 """
 
+from mwidth.analyses import Sweep, sweep_range
 from mwidth.client import Client
 from mwidth.control import Control
 from mwidth.failure import Error, LeaseLost, Refused
@@ -23,5 +24,7 @@ __all__ = [
     "Refused",
     "SampleBatch",
     "SampleStream",
+    "Sweep",
     "concatenate",
+    "sweep_range",
 ]

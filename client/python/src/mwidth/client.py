@@ -2,7 +2,7 @@
 
 import grpc
 
-from mwidth import failure
+from mwidth import analyses, failure
 from mwidth.control import Control, to_duration
 from mwidth.samples import SampleStream
 from mwidth.v1 import (
@@ -17,12 +17,19 @@ from mwidth.v1 import (
 # A web proxy from the environment must not come between a laboratory's client and its robot.
 _OPTIONS = (("grpc.enable_http_proxy", 0),)
 
+# Bound on what the server computes for longer: sweeps, simulations, and proofs over an envelope.
+_ANALYSIS_TIMEOUT_S = 300
+
 
 class Client:
     """A connection to mwidthd. An empty axis means the only one.
 
-    All methods may be called from any thread, block for one round trip of at most timeout_s, and raise Error.
-    The messages that they return are those of mwidth.v1.
+    All methods may be called from any thread, block for one round trip of at most timeout_s (300 s where the server
+    computes for longer: sweeps, simulations, envelopes), and raise Error. The messages that they return are those of
+    mwidth.v1.
+
+    The analyses take fields of LoopParameters in place of the axis's own: device_mass, device_damping, hand_mass,
+    hand_damping, hand_stiffness, period_s, cutoff_hz, delay_s, and estimator by its name ("kalman", say).
 
     Args:
         address: "HOST:PORT".
@@ -46,9 +53,9 @@ class Client:
         """Ends the connection and every stream over it."""
         self._channel.close()
 
-    def _call(self, method, request):
+    def _call(self, method, request, long=False):
         with failure.decoded():
-            return method(request, timeout=self._timeout_s)
+            return method(request, timeout=_ANALYSIS_TIMEOUT_S if long else self._timeout_s)
 
     def state(self, axis=""):
         """GetStateResponse: what the axes are and what they are doing; an empty axis means all."""
@@ -62,13 +69,78 @@ class Client:
             raise failure.Error(f"name one of the server's axes: {names}", grpc.StatusCode.NOT_FOUND)
         return axes[0]
 
-    def m_width(self, axis="", **overrides):
-        """GetMWidthResponse for the axis's loop, with fields of LoopParameters in place of its own.
+    def m_width(self, axis="", envelope=None, tolerance=None, **overrides):
+        """GetMWidthResponse: which masses are stable.
 
-        client.m_width(cutoff_hz=30, hand_stiffness=0)
+            client.m_width(cutoff_hz=30, hand_stiffness=0)
+            client.m_width(envelope={"stiffness": (100, 2000), "include_released_hand": True})
+
+        Args:
+            envelope: hands that every robust mass is stable with, a HandEnvelope or its fields: pairs of least and
+                greatest stiffness, damping and mass, the loop's own where left out, and include_released_hand.
+            tolerance: the same of the device: a DeviceTolerance, or pairs of mass and damping. Without either the
+                axis's own hold; an override of the loop leaves exactly that loop.
         """
-        loop = stability_pb2.LoopParameters(**overrides)
-        return self._call(self._stability.GetMWidth, stability_pb2.GetMWidthRequest(axis=axis, loop=loop))
+        request = stability_pb2.GetMWidthRequest(
+            axis=axis,
+            loop=analyses.to_loop(overrides),
+            envelope=analyses.to_box(stability_pb2.HandEnvelope, envelope),
+            tolerance=analyses.to_box(stability_pb2.DeviceTolerance, tolerance),
+        )
+        return self._call(
+            self._stability.GetMWidth, request, long=envelope is not None or tolerance is not None
+        )
+
+    def sweep(self, x, y=None, axis="", **overrides):
+        """Sweep: nominal edges over a grid of one or two parameters, of at most 1,000,000 points.
+
+            client.sweep(mwidth.sweep_range("cutoff_hz", 1, 100, count=50, logarithmic=True))
+
+        Args:
+            x, y: SweepRanges, made by sweep_range; y may be left out.
+        """
+        request = stability_pb2.SweepMWidthRequest(axis=axis, loop=analyses.to_loop(overrides), x=x, y=y)
+        with failure.decoded():
+            return analyses.to_sweep(self._stability.SweepMWidth(request, timeout=_ANALYSIS_TIMEOUT_S))
+
+    def frequency_response(self, mass, axis="", min_hz=0.0, max_hz=0.0, count=0, continuous=False, **overrides):
+        """GetFrequencyResponseResponse: Bode data of the loop with a virtual mass, its margins, and how heavy and how
+        damped the device feels.
+
+        Args:
+            min_hz, max_hz: frequencies at equal ratios; 0: from 0.1 Hz, to half the sample rate.
+            count: number of frequencies, 2 to 10,000; 0: 200.
+            continuous: the paper's continuous approximation instead of the sampled loop.
+        """
+        model = stability_pb2.RESPONSE_MODEL_CONTINUOUS if continuous else stability_pb2.RESPONSE_MODEL_DISCRETE
+        request = stability_pb2.GetFrequencyResponseRequest(
+            axis=axis,
+            loop=analyses.to_loop(overrides),
+            mass=mass,
+            min_hz=min_hz,
+            max_hz=max_hz,
+            count=count,
+            model=model,
+        )
+        return self._call(self._stability.GetFrequencyResponse, request)
+
+    def accuracy(self, mass, axis="", min_hz=0.0, max_hz=0.0, duration_s=0.0, simulate=False, **overrides):
+        """GetAccuracyResponse: how truly and how quietly a mass is rendered. An unstable mass is no error: its answer
+        has accuracy.unavailable_reason in place of figures.
+
+        Args:
+            min_hz, max_hz, duration_s: the motion, a linear chirp; 0: that of the paper's Figure 9, 0.1 to 5 Hz in
+                60 s.
+            simulate: simulate as well as predict.
+        """
+        request = stability_pb2.GetAccuracyRequest(
+            axis=axis,
+            loop=analyses.to_loop(overrides),
+            mass=mass,
+            band=stability_pb2.MotionBand(min_hz=min_hz, max_hz=max_hz, duration_s=duration_s),
+            simulate=simulate,
+        )
+        return self._call(self._stability.GetAccuracy, request, long=simulate)
 
     def emergency_stop(self, reason, axis=""):
         """Zero force on the next tick, fault latched. For anyone, without a lease.

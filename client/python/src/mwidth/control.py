@@ -7,7 +7,7 @@ import time
 import grpc
 from google.protobuf import duration_pb2
 
-from mwidth import failure
+from mwidth import analyses, failure
 from mwidth.v1 import rendering_pb2
 
 # A renewal that failed this way may succeed when tried again.
@@ -88,6 +88,29 @@ class Control:
             mass=mass, ramp=to_duration(ramp_s), validate_only=validate_only, **self._lease
         )
         return self._call(self._stub.SetMass, request)
+
+    def set_filter(self, cutoff_hz, estimator=None, validate_only=False):
+        """Asks for another filter of the acceleration. The mass that is set stays; while it is rendered the loop takes
+        it to zero, changes, and takes it back.
+
+        Args:
+            cutoff_hz: above 0, at most half the sample rate.
+            estimator: a name such as "kalman", or a value of EstimatorKind; None: the running one.
+            validate_only: answer as if, change nothing.
+
+        Returns:
+            SetFilterResponse with the loop, which runs the filter now, and the margins of the mass.
+
+        Raises:
+            Refused: the mass that is set is not admitted with this filter; both stay.
+        """
+        request = rendering_pb2.SetFilterRequest(
+            cutoff_hz=cutoff_hz,
+            estimator=analyses.to_estimator(estimator),
+            validate_only=validate_only,
+            **self._lease,
+        )
+        return self._call(self._stub.SetFilter, request)
 
     def clear_fault(self):
         """From FAULT to IDLE, once its cause is gone."""

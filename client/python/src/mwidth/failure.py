@@ -23,7 +23,7 @@ class Error(Exception):
 
 
 class Refused(Error):
-    """The server will not render this mass; the rendered mass stays.
+    """The server will not render this mass, or not the one that is set with this filter; mass and filter stay.
 
     Attributes:
         stability: the StabilityReport: m_width.admitted, nearest_admitted_mass, admitting_cutoff_hz, binding, ...
