@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <functional>
 #include <iostream>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "client/cli/commands.h"
 #include "client/cli/connection.h"
 #include "client/cli/json.h"
+#include "client/cli/loop_words.h"
 #include "client/cli/numbers.h"
 #include "client/cli/report.h"
 
@@ -70,8 +72,8 @@ void DrawMWidth(const CommandLine& line, const client::Client& client, const v1:
   *request.mutable_loop() = line.overrides;
   *request.mutable_x() = CutoffsAround(loop);
   const auto rows = Collect(client, request, [](const auto&) {});
-  DrawPicture(line,
-              SweepChart(axis.name() + ": stable virtual masses", request, rows.at(0), UnitsOf(axis.kind())));
+  DrawPicture(line, SweepChart(axis.name() + ": nominally stable virtual masses", request, rows.at(0),
+                               UnitsOf(axis.kind())));
 }
 
 // Asks again for every cut-off, without simulating.
@@ -90,15 +92,38 @@ void DrawAccuracy(const CommandLine& line, const client::Client& client, v1::Get
   DrawPicture(line, AccuracyChart(title, accuracies, {own.loop().cutoff_hz(), own.accuracy()}));
 }
 
+// The server's rule of what an override leaves of the axis's own assumptions.
+Assumptions Assumed(const CommandLine& line, const v1::AxisInfo& axis) {
+  const bool own = line.overrides.ByteSizeLong() == 0 && !line.envelope && !line.tolerance;
+  return own ? AssumptionsOf(axis) : Assumptions{line.envelope, line.tolerance};
+}
+
+// What was analysed, above its figures.
+void TellLoop(const v1::AxisInfo& axis, const v1::LoopParameters& loop) {
+  std::cout << axis.name() << ": " << LoopText(loop, UnitsOf(axis.kind())) << "\n\n";
+}
+
+// Into "bode-margins.csv" beside "bode.csv".
+void WriteMargins(const CommandLine& line, const v1::StabilityMargins& margins) {
+  if (line.csv) {
+    const std::filesystem::path file(*line.csv);
+    auto name = file.stem();
+    name += "-margins";
+    name += file.extension();
+    const auto beside = (file.parent_path() / name).string();
+    plot::WriteCsv(MarginsTable(margins, Exact), beside);
+    TellWritten(beside);
+  }
+}
+
 }  // namespace
 
 int RunMWidth(const CommandLine& line) {
   const auto connection = Open(line);
-  const auto response = connection.client.MWidth(line.axis, line.overrides);
+  const auto response = connection.client.MWidth(line.axis, line.overrides, line.envelope, line.tolerance);
   const auto axis = connection.client.Axis(line.axis).info();
-  std::cout << (line.json ? ToJson(response) : MWidthReport(response, axis));
-  WriteTable(line,
-             [&](Format format) { return MWidthTable(response.m_width(), UnitsOf(axis.kind()), format); });
+  std::cout << (line.json ? ToJson(response) : MWidthReport(response, axis, Assumed(line, axis)));
+  WriteTable(line, [&](Format format) { return MWidthTable(response, UnitsOf(axis.kind()), format); });
   if (line.plot) {
     DrawMWidth(line, connection.client, response.loop(), axis);
   }
@@ -146,19 +171,23 @@ int RunBode(const CommandLine& line) {
     request.set_count(kTerminalCount);
   }
   const auto response = connection.client.FrequencyResponse(request);
+  const auto axis = connection.client.Axis(line.axis).info();
+  const auto table = [&](Format format) { return BodeTable(response, format); };
   if (line.json) {
     std::cout << ToJson(response);
-  }
-  const auto table = [&](Format format) { return BodeTable(response, format); };
-  if (ToTerminal(line)) {
-    std::cout << plot::ToText(table(ForPeople));
+  } else {
+    TellLoop(axis, response.loop());
+    if (ToTerminal(line)) {
+      std::cout << plot::ToText(table(ForPeople)) << "\n";
+    }
+    std::cout << "Margins: " << MarginsText(response.margins()) << ".\n";
   }
   if (!response.effective_missing_reason().empty()) {
     std::cerr << "No effective ratios: " << response.effective_missing_reason() << "\n";
   }
   WriteTable(line, table);
+  WriteMargins(line, response.margins());
   if (line.plot) {
-    const auto axis = connection.client.Axis(line.axis).info();
     DrawPicture(line, BodeChart(axis.name() + ": loop with a virtual mass of " + Rounded(line.mass) + " " +
                                     UnitsOf(axis.kind()).mass.text,
                                 response));
@@ -176,7 +205,12 @@ int RunAccuracy(const CommandLine& line) {
   const auto& accuracy = response.accuracy();
   const auto axis = connection.client.Axis(line.axis).info();
   const auto table = [&](Format format) { return AccuracyTable(accuracy, UnitsOf(axis.kind()), format); };
-  std::cout << (line.json ? ToJson(response) : plot::ToText(table(ForPeople)));
+  if (line.json) {
+    std::cout << ToJson(response);
+  } else {
+    TellLoop(axis, response.loop());
+    std::cout << plot::ToText(table(ForPeople));
+  }
   if (!accuracy.unavailable_reason().empty()) {
     std::cerr << accuracy.unavailable_reason() << "\n";
   }

@@ -28,8 +28,44 @@ void AddLoopOptions(CLI::App* command, CommandLine& line) {
       ->check(CLI::PositiveNumber)
       ->excludes(period)
       ->group(kGroup);
-  add("--cutoff-hz", &v1::LoopParameters::set_cutoff_hz, "Cut-off of the acceleration filter, Hz");
+  AddEstimatorOption(command, "How acceleration is estimated", [&line](v1::EstimatorKind estimator) {
+    line.overrides.set_estimator(estimator);
+  })->group(kGroup);
+  add("--cutoff-hz", &v1::LoopParameters::set_cutoff_hz, "Its cut-off, Hz");
   add("--delay-s", &v1::LoopParameters::set_delay_s, "Loop delay beyond the zero-order hold, s");
+}
+
+// Of m-width: several hands and devices.
+void AddEnvelopeOptions(CLI::App* command, CommandLine& line) {
+  constexpr const char* kGroup = "Robust for these, instead of all that the axis allows for";
+  const auto add = [&](const std::string& name, const std::string& description, const auto& range) {
+    command
+        ->add_option_function<std::string>(
+            name, [name, range](const std::string& text) { *range() = ParseParameterRange(name, text); },
+            description)
+        ->type_name("MIN:MAX")
+        ->group(kGroup);
+  };
+  const auto hand = [&line]() -> v1::HandEnvelope& {
+    return line.envelope ? *line.envelope : line.envelope.emplace();
+  };
+  const auto device = [&line]() -> v1::DeviceTolerance& {
+    return line.tolerance ? *line.tolerance : line.tolerance.emplace();
+  };
+  add("--hand-stiffness-range", "Hands that hold less and more firmly, N/m or N m/rad",
+      [hand] { return hand().mutable_stiffness(); });
+  add("--hand-damping-range", "Damping of their hold, N s/m or N m s/rad",
+      [hand] { return hand().mutable_damping(); });
+  add("--hand-mass-range", "Their inertia, kg or kg m²", [hand] { return hand().mutable_mass(); });
+  command
+      ->add_flag_callback(
+          "--released-hand", [hand] { hand().set_include_released_hand(true); },
+          "Also a hand that has let go")
+      ->group(kGroup);
+  add("--device-mass-range", "Devices like this one, kg or kg m²",
+      [device] { return device().mutable_mass(); });
+  add("--device-damping-range", "Their damping, N s/m or N m s/rad",
+      [device] { return device().mutable_damping(); });
 }
 
 // What all four have: whom to ask, about which loop, and where the answer goes.
@@ -123,13 +159,15 @@ void DefineAccuracy(CLI::App& app, CommandLine& line) {
 }  // namespace
 
 void DefineAnalyses(CLI::App& app, CommandLine& line) {
-  Analysis(app, line, "m-width",
-           "Show which virtual masses are stable, for the axis's loop or for one like it",
-           "the edges over the filter's cut-off",
-           "  mwidth m-width\n"
-           "  mwidth m-width --rate-hz 500 --cutoff-hz 30\n"
-           "  mwidth --json m-width --hand-stiffness 0\n"
-           "  mwidth m-width --offline elbow --plot m-width.svg");
+  auto* m_width = Analysis(app, line, "m-width",
+                           "Show which virtual masses are stable, for the axis's loop or for one like it",
+                           "the nominal edges over the filter's cut-off",
+                           "  mwidth m-width\n"
+                           "  mwidth m-width --rate-hz 500 --estimator kalman --cutoff-hz 30\n"
+                           "  mwidth m-width --hand-stiffness-range 100:2000 --released-hand\n"
+                           "  mwidth --json m-width --hand-stiffness 0\n"
+                           "  mwidth m-width --offline elbow --plot m-width.svg");
+  AddEnvelopeOptions(m_width, line);
   DefineSweep(app, line);
   DefineBode(app, line);
   DefineAccuracy(app, line);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "client/cli/estimator_name.h"
 #include "client/cli/numbers.h"
 #include "client/cli/sweep_range.h"
 
@@ -18,16 +19,47 @@ std::string EdgeCell(double edge, Format format) { return std::isnan(edge) ? "no
 
 std::string ForPeople(double value) { return Rounded(value); }
 
-plot::Table MWidthTable(const v1::MWidth& m_width, const Units& units, Format format) {
-  plot::Table table{.title = "M-width",
-                    .columns = {"interval", MassColumn("min", units), MassColumn("max", units)}};
-  const auto add = [&](const std::string& name, const v1::Interval& interval) {
-    table.rows.push_back({name, interval.empty() ? "none" : format(interval.min()),
-                          interval.empty() ? "none" : format(interval.max())});
+plot::Table MWidthTable(const v1::GetMWidthResponse& response, const Units& units, Format format) {
+  plot::Table table{
+      .title = "M-width",
+      .columns = {"interval", "edge", MassColumn("mass", units), "estimator", "cutoff_hz", "period_s",
+                  "device_mass", "device_damping", "hand_mass", "hand_damping", "hand_stiffness", "delay_s"}};
+  const auto add = [&](const std::string& name, const char* edge, bool empty, double mass,
+                       const v1::LoopParameters& loop) {
+    auto& cells = table.rows.emplace_back();
+    cells = {name, edge, empty ? "none" : format(mass)};
+    if (empty) {
+      cells.resize(table.columns.size(), "none");
+      return;
+    }
+    cells.push_back(EstimatorName(loop.estimator()));
+    for (const double value :
+         {loop.cutoff_hz(), loop.period_s(), loop.device_mass(), loop.device_damping(), loop.hand_mass(),
+          loop.hand_damping(), loop.hand_stiffness(), loop.delay_s()}) {
+      cells.push_back(format(value));
+    }
   };
-  add("nominal", m_width.nominal());
-  add("robust", m_width.robust());
-  add("admitted", m_width.admitted());
+  const auto add_both = [&](const std::string& name, const v1::Interval& interval,
+                            const v1::LoopParameters& min_loop, const v1::LoopParameters& max_loop) {
+    add(name, "min", interval.empty(), interval.min(), min_loop);
+    add(name, "max", interval.empty(), interval.max(), max_loop);
+  };
+  const auto& m_width = response.m_width();
+  add_both("nominal", m_width.nominal(), response.loop(), response.loop());
+  add_both("robust", m_width.robust(), m_width.min_binding(), m_width.max_binding());
+  add_both("admitted", m_width.admitted(), m_width.min_binding(), m_width.max_binding());
+  return table;
+}
+
+plot::Table MarginsTable(const v1::StabilityMargins& margins, Format format) {
+  plot::Table table{.title = "Margins", .columns = {"margin", "value", "at_least", "frequency_hz"}};
+  const auto add = [&](const std::string& name, double value, double frequency_hz, bool at_least = false) {
+    table.rows.push_back({name, format(value), at_least ? "1" : "0", format(frequency_hz)});
+  };
+  add("gain_db", margins.gain_db(), margins.gain_hz());
+  add("phase_deg", margins.phase_deg(), margins.phase_hz());
+  add("delay_s", margins.delay_s(), margins.delay_hz(), margins.delay_at_least());
+  add("modulus", margins.modulus(), margins.modulus_hz());
   return table;
 }
 

@@ -16,8 +16,10 @@ using Format = std::string (*)(double);
 /// Six significant digits.
 std::string ForPeople(double value);
 
-/// A row for each interval.
-plot::Table MWidthTable(const v1::MWidth& m_width, const Units& units, Format format);
+/// A row for each edge of each interval, with the loop that sets it; "none" where the interval is empty.
+plot::Table MWidthTable(const v1::GetMWidthResponse& response, const Units& units, Format format);
+/// A row for each margin.
+plot::Table MarginsTable(const v1::StabilityMargins& margins, Format format);
 /// A row for each point of the grid, x fastest; "none" for the edges of an empty interval or a loop out of
 /// range.
 plot::Table SweepTable(const v1::SweepMWidthRequest& request,

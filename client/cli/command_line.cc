@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "client/cli/estimator_name.h"
+
 namespace mwidth::cli {
 namespace {
 
@@ -16,6 +18,7 @@ Examples:
   mwidth m-width --hand-stiffness 0 --hand-damping 0
   mwidth bode 0.1 --offline paper --plot bode.svg
   mwidth set-mass -0.05 --hold 10
+  mwidth set-filter --estimator butterworth 20
   mwidth --server robot:50051 stream --csv reach.csv --seconds 5
   mwidth stop)";
 
@@ -36,6 +39,25 @@ void DefineSetMass(CLI::App& app, CommandLine& line) {
                    "Seconds of the ramp to the mass, 0 to 10; the server's default: 0.2")
       ->check(CLI::NonNegativeNumber);
   command->add_flag("--validate-only", line.validate_only, "Only ask whether the mass would be admitted");
+}
+
+void DefineSetFilter(CLI::App& app, CommandLine& line) {
+  auto* command =
+      Subcommand(app, "set-filter",
+                 "Change how acceleration is estimated, until the next change or the server's end: take "
+                 "control, change it, and give control back. A server that starts anew has the "
+                 "filter of its configuration again",
+                 "  mwidth set-filter 20\n"
+                 "  mwidth set-filter --estimator kalman 20\n"
+                 "  mwidth set-filter 40 --validate-only");
+  command
+      ->add_option("cutoff_hz", line.cutoff_hz,
+                   "Cut-off, Hz; at most half the sample rate, 0.49 of it for butterworth")
+      ->required();
+  AddEstimatorOption(command, "Estimator; default: the running one",
+                     [&line](v1::EstimatorKind estimator) { line.estimator = estimator; });
+  command->add_flag("--validate-only", line.validate_only,
+                    "Only ask whether it would be admitted, and which masses with it");
 }
 
 void DefineStream(CLI::App& app, CommandLine& line) {
@@ -73,7 +95,27 @@ void DefineFigures(CLI::App& app, CommandLine& line) {
   command->add_flag("--png", line.png, "Pictures as PNG instead of SVG");
 }
 
+// What is wrong with the command line, and where to read more. CLI11 says of an unknown command that one is
+// required.
+std::string Complaint(const CLI::App* app, const CLI::Error& error) {
+  const auto commands = app->get_subcommands();
+  const auto unknown = app->remaining();
+  const auto name = "mwidth" + (commands.empty() ? "" : " " + commands.front()->get_name());
+  return name + ": " +
+         (commands.empty() && !unknown.empty() ? "'" + unknown.front() + "' is no command" : error.what()) +
+         "\n" + name + " --help tells what can be asked.\n";
+}
+
 }  // namespace
+
+CLI::Option* AddEstimatorOption(CLI::App* command, const std::string& description,
+                                const std::function<void(v1::EstimatorKind)>& take) {
+  return command
+      ->add_option_function<std::string>(
+          "--estimator", [take](const std::string& name) { take(EstimatorNamed(name)); }, description)
+      ->type_name("NAME")
+      ->check(CLI::IsMember(EstimatorNames()));
+}
 
 CLI::App* Subcommand(CLI::App& app, const std::string& name, const std::string& description,
                      const std::string& examples) {
@@ -87,6 +129,7 @@ void Define(CLI::App& app, CommandLine& line) {
   app.description("Command line of mwidthd, the server that renders virtual mass.");
   app.footer(kExitCodes);
   app.require_subcommand(1);
+  app.failure_message(Complaint);
   // Global options may also follow the subcommand.
   app.fallthrough();
   app.add_option("--server", line.server, "HOST:PORT of mwidthd")
@@ -103,6 +146,7 @@ void Define(CLI::App& app, CommandLine& line) {
                   "Also how punctual each loop is: wake-up latency, computing, drive I/O and loop delay");
   DefineAnalyses(app, line);
   DefineSetMass(app, line);
+  DefineSetFilter(app, line);
   auto* stop =
       Subcommand(app, "stop",
                  "Emergency stop: zero force at once, drive disabled, fault latched. For anyone, whoever "

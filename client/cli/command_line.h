@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -24,6 +25,10 @@ struct CommandLine {
   std::string offline;
   std::optional<std::string> plot;
 
+  // m-width
+  std::optional<v1::HandEnvelope> envelope;
+  std::optional<v1::DeviceTolerance> tolerance;
+
   // sweep
   v1::SweepMWidthRequest sweep;
 
@@ -39,6 +44,12 @@ struct CommandLine {
   // set-mass
   std::optional<double> hold_s;
   std::optional<double> ramp_s;
+
+  // set-filter
+  v1::EstimatorKind estimator = v1::ESTIMATOR_KIND_UNSPECIFIED;
+  double cutoff_hz = 0;
+
+  // set-mass, set-filter
   bool validate_only = false;
 
   // stop
@@ -60,6 +71,10 @@ struct CommandLine {
 /// Adds a subcommand with its description and its examples as a footer.
 CLI::App* Subcommand(CLI::App& app, const std::string& name, const std::string& description,
                      const std::string& examples);
+
+/// Adds --estimator NAME, which hands the estimator of that name to `take`.
+CLI::Option* AddEstimatorOption(CLI::App* command, const std::string& description,
+                                const std::function<void(v1::EstimatorKind)>& take);
 
 /// Adds m-width, sweep, bode and accuracy (analysis_options.cc).
 void DefineAnalyses(CLI::App& app, CommandLine& line);

@@ -16,6 +16,7 @@ int RunSweep(const CommandLine& line);
 int RunBode(const CommandLine& line);
 int RunAccuracy(const CommandLine& line);
 int RunSetMass(const CommandLine& line);
+int RunSetFilter(const CommandLine& line);
 int RunStop(const CommandLine& line);
 int RunClearFault(const CommandLine& line);
 int RunStream(const CommandLine& line);

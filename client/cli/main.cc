@@ -18,9 +18,16 @@ namespace {
 
 int Run(const std::string& command, const CommandLine& line) {
   static const std::map<std::string, std::function<int(const CommandLine&)>> commands = {
-      {"state", RunState},    {"m-width", RunMWidth},         {"sweep", RunSweep},
-      {"bode", RunBode},      {"accuracy", RunAccuracy},      {"set-mass", RunSetMass},
-      {"stop", RunStop},      {"clear-fault", RunClearFault}, {"stream", RunStream},
+      {"state", RunState},
+      {"m-width", RunMWidth},
+      {"sweep", RunSweep},
+      {"bode", RunBode},
+      {"accuracy", RunAccuracy},
+      {"set-mass", RunSetMass},
+      {"set-filter", RunSetFilter},
+      {"stop", RunStop},
+      {"clear-fault", RunClearFault},
+      {"stream", RunStream},
       {"figures", RunFigures}};
   try {
     return commands.at(command)(line);

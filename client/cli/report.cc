@@ -3,24 +3,11 @@
 #include <iomanip>
 #include <sstream>
 
+#include "client/cli/enum_words.h"
 #include "client/cli/numbers.h"
 
 namespace mwidth::cli {
 namespace {
-
-std::string Quantity(double value, const Unit& unit) { return Rounded(value) + " " + unit.text; }
-
-std::string LowerCase(std::string text, char separator) {
-  for (auto& c : text) {
-    c = c == '_' ? separator : (c >= 'A' && c <= 'Z') ? static_cast<char>(c - 'A' + 'a') : c;
-  }
-  return text;
-}
-
-// "STATE_READY" without its prefix, as words.
-std::string EnumWords(const std::string& name, const std::string& prefix) {
-  return LowerCase(name.substr(name.starts_with(prefix) ? prefix.size() : 0), ' ');
-}
 
 class Table {
  public:
@@ -40,7 +27,7 @@ void AppendAxis(const v1::AxisState& axis, Table& table) {
               << (axis.info().simulated() ? ", simulated)\n" : ")\n");
   table.Row("state", StateName(axis.state()));
   if (axis.has_fault()) {
-    table.Row("fault", EnumWords(v1::FaultKind_Name(axis.fault().kind()), "FAULT_KIND_") + " at tick " +
+    table.Row("fault", EnumWords(v1::FaultKind_Name(axis.fault().kind()), "FAULT_KIND_", ' ') + " at tick " +
                            std::to_string(axis.fault().tick()) + ": " + axis.fault().message());
   }
   table.Row("controlled by", axis.controller().empty() ? "nobody" : axis.controller());
@@ -48,7 +35,9 @@ void AppendAxis(const v1::AxisState& axis, Table& table) {
                         (axis.mass() == axis.target_mass()
                              ? ""
                              : ", on its way to " + Quantity(axis.target_mass(), units.mass)));
+  table.Row("filter", FilterText(axis.info().loop()));
   table.Row("admitted masses", IntervalText(axis.m_width().admitted(), units));
+  table.Row("robust for", AssumptionsText(AssumptionsOf(axis.info()), axis.info().loop(), units));
   table.Row("position", Quantity(axis.position(), units.position));
   table.Row("velocity", Quantity(axis.velocity(), units.velocity));
   table.Row("force", Quantity(axis.force(), units.force) + " (limit " +
@@ -58,19 +47,6 @@ void AppendAxis(const v1::AxisState& axis, Table& table) {
   table.Row("dropped samples", std::to_string(axis.dropped_samples()));
   table.Row("real time", std::string(axis.realtime() ? "yes" : "no") +
                              (axis.realtime_message().empty() ? "" : "; " + axis.realtime_message()));
-}
-
-std::string LoopText(const v1::LoopParameters& loop, const Units& units) {
-  const bool rotary = &units == &UnitsOf(v1::AXIS_KIND_ROTARY);
-  const std::string damping = rotary ? " N m s/rad" : " N s/m";
-  const std::string stiffness = rotary ? " N m/rad" : " N/m";
-  std::ostringstream out;
-  out << "device " << Quantity(loop.device_mass(), units.mass) << ", " << Rounded(loop.device_damping())
-      << damping << "; hand " << Quantity(loop.hand_mass(), units.mass) << ", "
-      << Rounded(loop.hand_damping()) << damping << ", " << Rounded(loop.hand_stiffness()) << stiffness
-      << "; " << Rounded(1 / loop.period_s()) << " Hz, cut-off " << Rounded(loop.cutoff_hz()) << " Hz, delay "
-      << Rounded(1e3 * loop.delay_s()) << " ms";
-  return out.str();
 }
 
 // `format`: Rounded for what is computed, RoundedTowardZero for what may be asked for.
@@ -90,32 +66,30 @@ void AppendInterval(const std::string& name, const v1::Interval& interval, doubl
   out << "\n";
 }
 
-// The three ways in which a mass can miss the admitted range.
-std::string WhyRefused(const v1::StabilityReport& report) {
-  const auto required = report.m_width().required_gain_margin_db();
-  if (report.gain_margin_db() < 0) {
-    return "would make the loop unstable";
+// What the edges of an M-width stand for. `robust_for`: what is assumed.
+void AppendEdges(const v1::GetMWidthResponse& response, const std::string& robust_for, const Units& units,
+                 std::ostream& out) {
+  const auto& m_width = response.m_width();
+  const auto& loop = response.loop();
+  if (!m_width.nominal().empty()) {
+    out << "\nAt its nominal edges the loop oscillates at " << Rounded(m_width.min_critical_hz())
+        << " Hz (lower) and " << Rounded(m_width.max_critical_hz()) << " Hz (upper).\n";
   }
-  if (report.gain_margin_db() < required) {
-    return "would leave a gain margin of " + Rounded(report.gain_margin_db(), 3) + " dB, and " +
-           Rounded(required, 3) + " dB are required";
+  out << "Robust for " << robust_for << ".\n";
+  if (m_width.has_min_binding() && m_width.has_max_binding()) {
+    const auto lower = BindingText(m_width.min_binding(), loop, units);
+    const auto upper = BindingText(m_width.max_binding(), loop, units);
+    out << "Its edges are set by " << lower << (lower == upper ? "" : " (lower) and " + upper + " (upper)")
+        << ".\n";
   }
-  return "would not be stable for every hand and device that the axis allows for";
+  out << "Admitted masses keep a gain margin of " << Rounded(m_width.required_gain_margin_db()) << " dB.\n";
 }
 
 }  // namespace
 
-std::string StateName(v1::State state) { return EnumWords(v1::State_Name(state), "STATE_"); }
+std::string StateName(v1::State state) { return EnumWords(v1::State_Name(state), "STATE_", ' '); }
 
-std::string KindName(v1::AxisKind kind) { return EnumWords(v1::AxisKind_Name(kind), "AXIS_KIND_"); }
-
-std::string IntervalText(const v1::Interval& interval, const Units& units) {
-  if (interval.empty()) {
-    return "none: " + interval.empty_reason();
-  }
-  return "from " + RoundedTowardZero(interval.min()) + " to " + RoundedTowardZero(interval.max()) + " " +
-         units.mass.text;
-}
+std::string KindName(v1::AxisKind kind) { return EnumWords(v1::AxisKind_Name(kind), "AXIS_KIND_", ' '); }
 
 std::string StateReport(const v1::GetStateResponse& response) {
   Table table;
@@ -127,7 +101,8 @@ std::string StateReport(const v1::GetStateResponse& response) {
   return table.Text();
 }
 
-std::string MWidthReport(const v1::GetMWidthResponse& response, const v1::AxisInfo& axis) {
+std::string MWidthReport(const v1::GetMWidthResponse& response, const v1::AxisInfo& axis,
+                         const Assumptions& assumptions) {
   const auto& units = UnitsOf(axis.kind());
   const auto& m_width = response.m_width();
   Table table;
@@ -143,45 +118,8 @@ std::string MWidthReport(const v1::GetMWidthResponse& response, const v1::AxisIn
   AppendInterval("nominal", m_width.nominal(), response.loop().device_mass(), Rounded, table);
   AppendInterval("robust", m_width.robust(), response.loop().device_mass(), Rounded, table);
   AppendInterval("admitted", m_width.admitted(), response.loop().device_mass(), RoundedTowardZero, table);
-  if (!m_width.nominal().empty()) {
-    out << "\nAt its nominal edges the loop oscillates at " << Rounded(m_width.min_critical_hz())
-        << " Hz (lower) and " << Rounded(m_width.max_critical_hz()) << " Hz (upper).\n";
-  }
-  out << "Admitted masses keep a gain margin of " << Rounded(m_width.required_gain_margin_db()) << " dB.\n";
+  AppendEdges(response, AssumptionsText(assumptions, response.loop(), units), units, out);
   return table.Text();
-}
-
-std::string AdmissionReport(const v1::SetMassResponse& response, const v1::AxisInfo& axis,
-                            bool validate_only) {
-  const auto& units = UnitsOf(axis.kind());
-  const auto& stability = response.stability();
-  std::ostringstream out;
-  out << (validate_only ? "Would render " : "Rendering ") << Quantity(response.mass(), units.mass) << " on "
-      << axis.name() << ": gain margin " << Rounded(stability.gain_margin_db(), 4)
-      << " dB; admitted are masses " << IntervalText(stability.m_width().admitted(), units) << ".\n";
-  return out.str();
-}
-
-std::string RefusalReport(const v1::StabilityReport& report, const v1::AxisInfo& axis) {
-  const auto& units = UnitsOf(axis.kind());
-  const auto& admitted = report.m_width().admitted();
-  std::ostringstream out;
-  out << "Refused: a virtual mass of " << Quantity(report.requested_mass(), units.mass) << " on "
-      << axis.name() << " " << WhyRefused(report) << ".\n";
-  out << "  Admitted are masses " << IntervalText(admitted, units);
-  if (!admitted.empty()) {
-    out << "; the nearest is " << RoundedTowardZero(report.nearest_admitted_mass()) << " " << units.mass.text;
-  }
-  out << ".\n";
-  if (report.has_admitting_cutoff_hz()) {
-    out << "  A filter cut-off of " << RoundedTowardZero(report.admitting_cutoff_hz(), 4)
-        << " Hz would admit it; it is " << Rounded(report.loop().cutoff_hz(), 4) << " Hz.\n";
-  } else {
-    out << "  No cut-off of the filter would admit it.\n";
-  }
-  out << "  The " << (report.requested_mass() < 0 ? "lower" : "upper") << " edge binds. " << report.binding()
-      << "\n";
-  return out.str();
 }
 
 }  // namespace mwidth::cli

@@ -1,4 +1,4 @@
-// Answers of the server, in words and tables for a person.
+// State and M-width of an axis, in words and tables for a person.
 #pragma once
 
 #include <mwidth/v1/rendering.pb.h>
@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "client/cli/units.h"
+#include "client/cli/loop_words.h"
 
 namespace mwidth::cli {
 
@@ -14,19 +14,12 @@ namespace mwidth::cli {
 std::string StateName(v1::State state);
 /// "linear" or "rotary".
 std::string KindName(v1::AxisKind kind);
-/// "from -0.05 to 0.35 kg", edges rounded inward, or why there is none.
-std::string IntervalText(const v1::Interval& interval, const Units& units);
 
 /// Every axis with its state, one quantity a line.
 std::string StateReport(const v1::GetStateResponse& response);
-/// Nominal, robust and admitted masses, absolute and as a multiple of the device's, and the loop they belong
-/// to.
-std::string MWidthReport(const v1::GetMWidthResponse& response, const v1::AxisInfo& axis);
-/// What was admitted and by which margin.
-std::string AdmissionReport(const v1::SetMassResponse& response, const v1::AxisInfo& axis,
-                            bool validate_only);
-/// What was asked for, what would be admitted, the nearest such mass, the cut-off that would admit the
-/// request, and what sets the edge.
-std::string RefusalReport(const v1::StabilityReport& report, const v1::AxisInfo& axis);
+/// Nominal, robust and admitted masses, absolute and as a multiple of the device's, the loop they belong to,
+/// what is assumed around it, and what sets the robust edges.
+std::string MWidthReport(const v1::GetMWidthResponse& response, const v1::AxisInfo& axis,
+                         const Assumptions& assumptions);
 
 }  // namespace mwidth::cli

@@ -3,6 +3,7 @@
 #include <limits>
 #include <variant>
 
+#include "client/cli/answer_report.h"
 #include "client/cli/commands.h"
 #include "client/cli/interrupt.h"
 #include "client/cli/json.h"
@@ -22,7 +23,7 @@ bool Report(const client::MassAnswer& answer, const v1::AxisInfo& axis, const Co
     if (line.json) {
       std::cout << ToJson(refusal->status) << std::flush;
     } else {
-      std::cerr << RefusalReport(refusal->stability, axis);
+      std::cerr << RefusalReport(*refusal, axis);
     }
     return false;
   }

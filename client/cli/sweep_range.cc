@@ -6,10 +6,13 @@
 
 #include <CLI/CLI.hpp>
 
+#include "client/cli/enum_words.h"
+
 namespace mwidth::cli {
 namespace {
 
 constexpr uint32_t kDefaultCount = 21;
+constexpr const char* kSweepForm = "NAME=FIRST:LAST[:COUNT][:log]";
 
 std::vector<std::string> SplitAt(const std::string& text, char separator) {
   std::vector<std::string> parts(1);
@@ -24,22 +27,14 @@ std::vector<std::string> SplitAt(const std::string& text, char separator) {
 }
 
 template <typename Number>
-Number Parse(const std::string& range, const std::string& text) {
+Number Parse(const std::string& name, const std::string& text, const char* form) {
   Number number{};
   const auto* const end = text.data() + text.size();
   const auto result = std::from_chars(text.data(), end, number);
   if (result.ec != std::errc() || result.ptr != end) {
-    throw CLI::ValidationError(
-        range, "'" + text + "' is not a number that can stand here; NAME=FIRST:LAST[:COUNT][:log]");
+    throw CLI::ValidationError(name, "'" + text + "' is not a number that can stand here; " + form);
   }
   return number;
-}
-
-// "CUTOFF_HZ" of SWEEP_PARAMETER_CUTOFF_HZ, in lower case.
-std::string LowerCase(std::string name) {
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-  return name;
 }
 
 v1::SweepParameter ParseParameter(const std::string& range, std::string name) {
@@ -58,8 +53,19 @@ v1::SweepParameter ParseParameter(const std::string& range, std::string name) {
 }  // namespace
 
 std::string ParameterName(v1::SweepParameter parameter) {
-  constexpr std::string_view kPrefix = "SWEEP_PARAMETER_";
-  return LowerCase(v1::SweepParameter_Name(parameter).substr(kPrefix.size()));
+  return EnumWords(v1::SweepParameter_Name(parameter), "SWEEP_PARAMETER_", '_');
+}
+
+v1::ParameterRange ParseParameterRange(const std::string& option, const std::string& text) {
+  constexpr const char* kForm = "MIN:MAX, such as 100:2000";
+  const auto parts = SplitAt(text, ':');
+  if (parts.size() != 2) {
+    throw CLI::ValidationError(option, "'" + text + "' is no range: " + kForm);
+  }
+  v1::ParameterRange range;
+  range.set_min(Parse<double>(option, parts[0], kForm));
+  range.set_max(Parse<double>(option, parts[1], kForm));
+  return range;
 }
 
 v1::SweepRange ParseSweepRange(const std::string& text) {
@@ -77,10 +83,10 @@ v1::SweepRange ParseSweepRange(const std::string& text) {
                                "a range is NAME=FIRST:LAST[:COUNT][:log], such as cutoff-hz=1:100:50:log");
   }
   range.set_parameter(ParseParameter(text, sides.front()));
-  range.set_min(Parse<double>(text, parts[0]));
-  range.set_max(Parse<double>(text, parts[1]));
+  range.set_min(Parse<double>(text, parts[0], kSweepForm));
+  range.set_max(Parse<double>(text, parts[1], kSweepForm));
   if (parts.size() > 2) {
-    range.set_count(Parse<uint32_t>(text, parts[2]));
+    range.set_count(Parse<uint32_t>(text, parts[2], kSweepForm));
   }
   return range;
 }

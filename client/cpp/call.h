@@ -27,7 +27,7 @@ Response Call(Stub& stub, grpc::Status (Stub::*method)(grpc::ClientContext*, con
   SetTimeout(context, timeout);
   Response response;
   if (const auto status = (stub.*method)(&context, request, &response); !status.ok()) {
-    throw Error(status);
+    throw CallError(status);
   }
   return response;
 }
@@ -48,7 +48,7 @@ std::variant<Response, Refusal> CallOrRefusal(Stub& stub,
   if (auto refusal = DecodeRefusal(status)) {
     return *std::move(refusal);
   }
-  throw Error(status);
+  throw CallError(status);
 }
 
 }  // namespace mwidth::client

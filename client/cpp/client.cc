@@ -111,7 +111,7 @@ bool Client::SweepMWidth(const v1::SweepMWidthRequest& request,
   }
   const auto status = reader->Finish();
   if (wanted && !status.ok()) {
-    throw Error(status);
+    throw CallError(status);
   }
   return wanted;
 }

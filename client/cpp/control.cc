@@ -136,7 +136,7 @@ void Control::RenewUntilStopped(const std::stop_token& stop) {
     } else if (MayRetry(status) && steady_clock::now() < valid_until_) {
       pause = ttl_ / 12;
     } else {
-      loss_.emplace(status);
+      loss_.emplace(CallError(status));
       changed_.notify_all();
       return;
     }

@@ -56,6 +56,16 @@ bool Error::DeclinedByServer() const {
   }
 }
 
+Error CallError(const grpc::Status& status) {
+  if (status.error_details().empty() && status.error_code() == grpc::StatusCode::UNAVAILABLE) {
+    return Error({status.error_code(), "the server cannot be reached: " + status.error_message()});
+  }
+  if (status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED) {
+    return Error({status.error_code(), "the server did not answer in time"});
+  }
+  return Error(status);
+}
+
 std::optional<Refusal> DecodeRefusal(const grpc::Status& status) {
   auto decoded = Decode(status);
   auto report = Detail<v1::StabilityReport>(decoded);

@@ -44,6 +44,10 @@ class Error : public std::runtime_error {
   google::rpc::Status status_;
 };
 
+/// The Error of a call that ended with `status`, not ok: in the server's words or, where nobody could give
+/// any, in gRPC's with what they mean. Any thread.
+Error CallError(const grpc::Status& status);
+
 /// The refusal of a mass that `status` carries: none unless its details hold a StabilityReport. Any thread.
 std::optional<Refusal> DecodeRefusal(const grpc::Status& status);
 

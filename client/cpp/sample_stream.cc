@@ -37,8 +37,8 @@ std::optional<v1::SampleBatch> SampleStream::Next() {
       break;
     }
     // A stream of samples has no end of its own.
-    throw Error(status.ok() ? grpc::Status(grpc::StatusCode::UNAVAILABLE, "the server ended the stream")
-                            : status);
+    throw status.ok() ? Error({grpc::StatusCode::UNAVAILABLE, "the server ended the stream"})
+                      : CallError(status);
   }
   return std::nullopt;
 }

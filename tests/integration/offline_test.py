@@ -18,7 +18,12 @@ QUESTIONS = (
     ["m-width"],
     ["m-width", "--rate-hz", "500", "--cutoff-hz", "30", "--delay-s", "0.0013"],
     ["m-width", "--hand-stiffness", "0", "--hand-damping", "0"],
+    ["m-width", "--estimator", "butterworth", "--cutoff-hz", "40"],
+    ["m-width", "--hand-stiffness-range", "10:900", "--hand-damping-range", "1:8", "--released-hand"],
+    ["m-width", "--device-damping-range", "0.004:0.04", "--hand-mass-range", "0:0.01"],
     ["sweep", "cutoff-hz=1:100:40:log"],
+    ["sweep", "cutoff-hz=1:100:9:log", "--estimator", "late-filtered-difference"],
+    ["bode", "0.02", "--estimator", "kalman"],
     ["sweep", "cutoff-hz=1:100:12:log", "hand-stiffness=0:2000:7", "--hand-damping", "1"],
     ["sweep", "period-s=1e-4:1e-2:15:log"],
     ["bode", "0.05"],
@@ -50,7 +55,7 @@ class OfflineTest(unittest.TestCase):
 
     def test_the_same_is_refused_in_the_same_words(self):
         with ServerProcess("--config", "paper") as server:
-            for question in (["m-width", "--cutoff-hz", "501"], ["bode", "1e7"], ["accuracy", "0.1", "--max-hz", "900"],
+            for question in (["m-width", "--cutoff-hz", "501"], ["m-width", "--hand-mass-range", "1:0"], ["bode", "1e7"], ["accuracy", "0.1", "--max-hz", "900"],
                              ["sweep", "cutoff-hz=10:1"], ["m-width", "--axis", "nobody"]):
                 with self.subTest(question=question):
                     online = run("--json", "--server", server.address, *question)
@@ -69,12 +74,21 @@ class OfflineTest(unittest.TestCase):
                 table = list(csv.DictReader(rows))
             for column in table[0]:
                 self.assertEqual([float(row[column]) for row in table], answer[column])
+            with file.with_name("bode-margins.csv").open(newline="") as rows:
+                margins = {row["margin"]: float(row["value"]) for row in csv.DictReader(rows)}
+            self.assertEqual(margins, {name: float(answer["margins"][name]) for name in margins})
+            self.assertEqual(set(margins), {"gain_db", "phase_deg", "delay_s", "modulus"})
 
-            self.answer("m-width", "--offline", "paper", "--csv", file)
+            question = ["m-width", "--hand-stiffness-range", "100:2000", "--offline", "paper"]
+            self.answer(*question, "--csv", file)
             with file.open(newline="") as rows:
-                nominal = next(csv.DictReader(rows))
-            answer = json.loads(self.answer("--json", "m-width", "--offline", "paper"))
-            self.assertEqual(float(nominal["min_kg"]), answer["m_width"]["nominal"]["min"])
+                edges = {(row["interval"], row["edge"]): row for row in csv.DictReader(rows)}
+            answer = json.loads(self.answer("--json", *question))["m_width"]
+            self.assertEqual(float(edges["nominal", "min"]["mass_kg"]), answer["nominal"]["min"])
+            self.assertEqual(float(edges["robust", "max"]["mass_kg"]), answer["robust"]["max"])
+            self.assertEqual(float(edges["nominal", "min"]["hand_stiffness"]), 700)
+            self.assertEqual(float(edges["admitted", "min"]["hand_stiffness"]), 2000)
+            self.assertEqual(edges["robust", "min"]["estimator"], "filtered-difference")
 
             run("sweep", "cutoff-hz=1:2:2", "hand-damping=1:3:3", "--offline", "elbow", "--csv", file)
             with file.open(newline="") as rows:
@@ -118,7 +132,7 @@ class OfflineTest(unittest.TestCase):
         blocks = re.findall(r"```console\n(.*?)```", README.read_text(), re.DOTALL)
         analyses = [line[2:] for line in blocks[0].splitlines()
                     if re.match(r"\$ mwidth (m-width|sweep|bode|accuracy|figures) ", line)]
-        self.assertEqual(len(analyses), 5)
+        self.assertEqual(len(analyses), 6)
         with tempfile.TemporaryDirectory() as folder, ServerProcess("--config", "paper") as server:
             environment = dict(os.environ, MWIDTH_SERVER=server.address,
                                PATH=f"{MWIDTH.parent}:{os.environ['PATH']}")
@@ -127,8 +141,14 @@ class OfflineTest(unittest.TestCase):
                     subprocess.run(["bash", "-e", "-c", command], cwd=folder, env=environment, check=True,
                                    capture_output=True, timeout=120)
             self.assertLessEqual({"map.svg", "bode.csv", "bode.png", "figures"}, set(os.listdir(folder)))
-        command, output = next(block for block in blocks if "--offline" in block).split("\n", 1)
-        self.assertEqual(self.answer(*command.split()[2:]), output)
+        offline = [block.split("\n", 1) for block in blocks[1:] if "--offline" in block]
+        self.assertEqual(len(offline), 2)
+        for command, output in offline:
+            self.assertEqual(self.answer(*command.split()[2:]), output)
+        refused = next(block for block in blocks if "Refused" in block)
+        with ServerProcess("--config", "elbow") as server:
+            result = run("--server", server.address, *refused.split("\n")[0].split()[2:])
+            self.assertEqual(result.stderr, refused.split("\n", 1)[1])
 
 
 if __name__ == "__main__":

@@ -50,14 +50,37 @@ TEST_F(MwidthTest, JsonKeepsTheNamesOfTheApi) {
 }
 
 TEST_F(MwidthTest, MWidthTakesOverrides) {
-  const auto outcome = Run({"m-width", "--rate-hz", "500", "--cutoff-hz=30", "--hand-stiffness", "0"});
+  const auto outcome = Run(
+      {"m-width", "--rate-hz", "500", "--cutoff-hz=30", "--hand-stiffness", "0", "--estimator", "kalman"});
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_EQ(server_.LastMWidth().loop().period_s(), 0.002);
   EXPECT_EQ(server_.LastMWidth().loop().cutoff_hz(), 30);
   EXPECT_TRUE(server_.LastMWidth().loop().has_hand_stiffness());
   EXPECT_FALSE(server_.LastMWidth().loop().has_device_mass());
-  EXPECT_THAT(outcome.out, AllOf(HasSubstr("500 Hz, cut-off 30 Hz"), HasSubstr("-1.4"), HasSubstr("10"),
-                                 HasSubstr("oscillates at 3.25 Hz (lower) and 60.5 Hz (upper)")));
+  EXPECT_EQ(server_.LastMWidth().loop().estimator(), v1::ESTIMATOR_KIND_KALMAN);
+  EXPECT_FALSE(server_.LastMWidth().has_envelope());
+  EXPECT_THAT(outcome.out,
+              AllOf(HasSubstr("500 Hz; kalman, cut-off 30 Hz"), HasSubstr("-1.4"), HasSubstr("10"),
+                    HasSubstr("oscillates at 3.25 Hz (lower) and 60.5 Hz (upper)")));
+}
+
+TEST_F(MwidthTest, MWidthTakesAnEnvelope) {
+  const auto outcome = Run({"m-width", "--hand-stiffness-range", "10:200", "--hand-damping-range=0.1:2",
+                            "--released-hand", "--device-mass-range", "0.04:0.06"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  const auto request = server_.LastMWidth();
+  EXPECT_EQ(request.envelope().stiffness().min(), 10);
+  EXPECT_EQ(request.envelope().stiffness().max(), 200);
+  EXPECT_EQ(request.envelope().damping().min(), 0.1);
+  EXPECT_FALSE(request.envelope().has_mass());
+  EXPECT_TRUE(request.envelope().include_released_hand());
+  EXPECT_EQ(request.tolerance().mass().max(), 0.06);
+  EXPECT_FALSE(request.tolerance().has_damping());
+  EXPECT_THAT(
+      outcome.out,
+      AllOf(HasSubstr("Robust for hand stiffness 10 to 200 N m/rad, hand damping 0.1 to 2 N m s/rad, a "
+                      "released hand, device mass 0.04 to 0.06 kg m², delay 0 to 0.5 ms"),
+            HasSubstr("set by the nominal loop")));
 }
 
 TEST_F(MwidthTest, AnEmptyMWidthIsAReasonAndNoNumber) {
@@ -82,8 +105,9 @@ TEST_F(MwidthTest, FiguresNeedNoServer) {
 TEST_F(MwidthTest, SetMassHoldsThenStopsAndReleases) {
   const auto outcome = Run({"set-mass", "-0.05", "--hold", "0", "--ramp", "0.5"});
   EXPECT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, AllOf(HasSubstr("Rendering -0.05 kg m² on elbow: gain margin 2.923 dB"),
-                                 HasSubstr("Stopped: the mass is back to zero.")));
+  EXPECT_THAT(outcome.out,
+              AllOf(HasSubstr("Rendering -0.05 kg m² on elbow."), HasSubstr("gain 2.92 dB (at 3.25 Hz)"),
+                    HasSubstr("Stopped: the mass is back to zero.")));
   EXPECT_EQ(server_.LastMass().mass(), -0.05);
   EXPECT_EQ(server_.LastMass().ramp().nanos(), 500'000'000);
   EXPECT_THAT(server_.Calls(), ElementsAre(kAcquired, "ValidateMass", "StartRendering", "SetMass",
@@ -125,6 +149,43 @@ TEST_F(MwidthTest, ValidateOnlyNeitherEnablesNorSets) {
   EXPECT_THAT(outcome.out, HasSubstr("Would render 0.1 kg m²"));
   EXPECT_THAT(server_.Calls(), ElementsAre(kAcquired, "ValidateMass", kReleased));
   EXPECT_EQ(Run({"set-mass", "0.8", "--validate-only"}).code, 1);
+}
+
+TEST_F(MwidthTest, SetFilterTakesControlChangesAndReleases) {
+  const auto outcome = Run({"set-filter", "--estimator", "kalman", "20"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out,
+              AllOf(HasSubstr("elbow: filter is kalman, cut-off 20 Hz; it was filtered-difference"),
+                    HasSubstr("from -0.0512345 to 0.351234 kg m²")));
+  EXPECT_THAT(server_.Calls(), ElementsAre(kAcquired, "SetFilter", kReleased));
+  EXPECT_EQ(server_.LastFilter().cutoff_hz(), 20);
+  EXPECT_EQ(server_.LastFilter().estimator(), v1::ESTIMATOR_KIND_KALMAN);
+  EXPECT_THAT(Run({"state"}).out, HasSubstr("filter           kalman, cut-off 20 Hz\n"));
+}
+
+TEST_F(MwidthTest, SetFilterOnlyAsksWhereItIsToldSo) {
+  const auto outcome = Run({"--json", "set-filter", "20", "--validate-only"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(nlohmann::json::parse(outcome.out)["loop"]["cutoff_hz"], 20);
+  EXPECT_EQ(server_.LastFilter().estimator(), v1::ESTIMATOR_KIND_UNSPECIFIED);
+  EXPECT_THAT(server_.Calls(), ElementsAre(kAcquired, "ValidateFilter", kReleased));
+}
+
+TEST_F(MwidthTest, ARefusedFilterIsExplained) {
+  const auto outcome = Run({"set-filter", "100"});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.err,
+              HasSubstr("Refused: with filtered-difference, cut-off 100 Hz, the virtual mass of 0 kg m²"));
+  EXPECT_THAT(server_.Calls(), ElementsAre(kAcquired, kReleased));
+  const auto json = nlohmann::json::parse(Run({"--json", "set-filter", "100"}).out);
+  EXPECT_EQ(json["details"][0]["reason"], "UNSTABLE_MASS");
+}
+
+TEST_F(MwidthTest, AFilterOfAnAxisThatAnotherControlsIsRefused) {
+  server_.Behave({.held_by_another = true});
+  const auto outcome = Run({"set-filter", "20"});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("control is held by somebody"));
 }
 
 TEST_F(MwidthTest, CtrlCEndsAHoldWithTheMassBackAtZero) {
@@ -182,9 +243,14 @@ TEST_F(MwidthTest, ClearFaultTakesAndReleasesControl) {
 
 TEST_F(MwidthTest, AWrongCommandLineIsExitCodeTwo) {
   for (const Arguments& arguments : {Arguments{},
-                                     {"fly"},
                                      {"set-mass"},
                                      {"set-mass", "heavy"},
+                                     {"set-filter"},
+                                     {"set-filter", "--estimator", "guess", "20"},
+                                     {"m-width", "--estimator", "unspecified"},
+                                     {"m-width", "--hand-damping-range", "5"},
+                                     {"m-width", "--hand-damping-range", "5:"},
+                                     {"sweep", "cutoff-hz=1:2", "--released-hand"},
                                      {"m-width", "--rate-hz", "0"},
                                      {"m-width", "--rate-hz", "500", "--period-s", "0.002"},
                                      {"stream", "--samples", "-1"}}) {
@@ -193,11 +259,18 @@ TEST_F(MwidthTest, AWrongCommandLineIsExitCodeTwo) {
   EXPECT_THAT(server_.Calls(), IsEmpty());
 }
 
+TEST_F(MwidthTest, AnUnknownCommandIsNamed) {
+  const auto outcome = Run({"fly"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("mwidth: 'fly' is no command\nmwidth --help"));
+}
+
 TEST_F(MwidthTest, HelpAndVersionAreNotErrors) {
   const auto help = Run({"--help"});
   EXPECT_EQ(help.code, 0);
   EXPECT_THAT(help.out, AllOf(HasSubstr("set-mass"), HasSubstr("Exit codes:"), HasSubstr("MWIDTH_SERVER")));
-  for (const auto* command : {"state", "m-width", "set-mass", "stop", "clear-fault", "stream"}) {
+  for (const auto* command :
+       {"state", "m-width", "set-mass", "set-filter", "stop", "clear-fault", "stream"}) {
     const auto outcome = Run({command, "--help"});
     EXPECT_EQ(outcome.code, 0);
     EXPECT_THAT(outcome.out, HasSubstr("Examples:")) << command;

@@ -7,7 +7,6 @@ namespace mwidth::cli {
 namespace {
 
 using ::testing::HasSubstr;
-using ::testing::Not;
 
 v1::AxisInfo Axis(v1::AxisKind kind) {
   v1::AxisInfo axis;
@@ -16,80 +15,61 @@ v1::AxisInfo Axis(v1::AxisKind kind) {
   return axis;
 }
 
-v1::StabilityReport Refused() {
-  v1::StabilityReport report;
-  report.set_requested_mass(0.8);
-  report.mutable_m_width()->mutable_admitted()->set_min(-0.05);
-  report.mutable_m_width()->mutable_admitted()->set_max(0.35);
-  report.mutable_m_width()->set_required_gain_margin_db(3);
-  report.mutable_loop()->set_cutoff_hz(10);
-  report.set_gain_margin_db(-4);
-  report.set_binding("The delay of the loop sets this edge.");
-  report.set_nearest_admitted_mass(0.35);
-  report.set_admitting_cutoff_hz(4.5);
-  return report;
-}
-
-TEST(RefusalReportTest, SaysWhatWasAskedWhatIsAdmittedAndWhatWouldHelp) {
-  EXPECT_EQ(RefusalReport(Refused(), Axis(v1::AXIS_KIND_ROTARY)),
-            "Refused: a virtual mass of 0.8 kg m² on elbow would make the loop unstable.\n"
-            "  Admitted are masses from -0.05 to 0.35 kg m²; the nearest is 0.35 kg m².\n"
-            "  A filter cut-off of 4.5 Hz would admit it; it is 10 Hz.\n"
-            "  The upper edge binds. The delay of the loop sets this "
-            "edge.\n");
-}
-
-TEST(RefusalReportTest, UnitsFollowTheKindOfTheAxis) {
-  const auto text = RefusalReport(Refused(), Axis(v1::AXIS_KIND_LINEAR));
-  EXPECT_THAT(text, HasSubstr("0.8 kg on elbow"));
-  EXPECT_THAT(text, Not(HasSubstr("m²")));
-}
-
-TEST(RefusalReportTest, TellsAMarginTooSmallFromAnUnstableLoop) {
-  auto report = Refused();
-  report.set_gain_margin_db(1.25);
-  EXPECT_THAT(RefusalReport(report, Axis(v1::AXIS_KIND_LINEAR)),
-              HasSubstr("would leave a gain margin of 1.25 dB, and 3 dB are required"));
-  report.set_gain_margin_db(5);
-  EXPECT_THAT(RefusalReport(report, Axis(v1::AXIS_KIND_LINEAR)),
-              HasSubstr("would not be stable for every hand and device"));
-}
-
-TEST(RefusalReportTest, SaysWhereNothingHelps) {
-  auto report = Refused();
-  report.set_requested_mass(-0.8);
-  report.clear_admitting_cutoff_hz();
-  const auto text = RefusalReport(report, Axis(v1::AXIS_KIND_LINEAR));
-  EXPECT_THAT(text, HasSubstr("No cut-off of the filter would admit it."));
-  EXPECT_THAT(text, HasSubstr("The lower edge binds"));
-}
-
-TEST(RefusalReportTest, AnEmptyIntervalComesWithItsReason) {
-  auto report = Refused();
-  auto& admitted = *report.mutable_m_width()->mutable_admitted();
-  admitted.Clear();
-  admitted.set_empty(true);
-  admitted.set_empty_reason("nothing takes energy out of this loop");
-  const auto text = RefusalReport(report, Axis(v1::AXIS_KIND_LINEAR));
-  EXPECT_THAT(text, HasSubstr("Admitted are masses none: nothing takes energy out of this loop."));
-  EXPECT_THAT(text, Not(HasSubstr("nearest")));
-}
-
 TEST(MWidthReportTest, ShowsMassesAndRatiosWithNineDigits) {
   v1::GetMWidthResponse response;
   response.mutable_loop()->set_device_mass(0.07);
   response.mutable_loop()->set_period_s(0.001);
   response.mutable_loop()->set_cutoff_hz(10);
+  response.mutable_loop()->set_estimator(v1::ESTIMATOR_KIND_KALMAN);
   auto& nominal = *response.mutable_m_width()->mutable_nominal();
   nominal.set_min(-1.3981549499 * 0.07);
   nominal.set_max(34.2468304444 * 0.07);
   response.mutable_m_width()->mutable_admitted()->set_min(-1.00000000999 * 0.07);
-  const auto text = MWidthReport(response, Axis(v1::AXIS_KIND_LINEAR));
+  const auto text = MWidthReport(response, Axis(v1::AXIS_KIND_LINEAR), {});
   EXPECT_THAT(text, HasSubstr("-1.39815495"));
   EXPECT_THAT(text, HasSubstr("34.2468304"));
   // An admitted edge stays inside, the others are rounded to the nearest.
   EXPECT_THAT(text, HasSubstr("-1 "));
-  EXPECT_THAT(text, HasSubstr("1000 Hz, cut-off 10 Hz, delay 0 ms"));
+  EXPECT_THAT(text, HasSubstr("1000 Hz; kalman, cut-off 10 Hz; delay 0 ms"));
+}
+
+TEST(MWidthReportTest, SaysWhatIsAssumedAndWhichLoopsSetTheEdges) {
+  v1::GetMWidthResponse response;
+  auto& loop = *response.mutable_loop();
+  loop.set_hand_stiffness(700);
+  loop.set_hand_damping(5);
+  loop.set_delay_s(0.0005);
+  auto& m_width = *response.mutable_m_width();
+  *m_width.mutable_min_binding() = loop;
+  *m_width.mutable_max_binding() = loop;
+  EXPECT_THAT(MWidthReport(response, Axis(v1::AXIS_KIND_LINEAR), {}),
+              HasSubstr("Robust for delay 0 to 0.5 ms.\nIts edges are set by the nominal loop.\n"));
+
+  m_width.mutable_min_binding()->set_hand_stiffness(2000);
+  m_width.mutable_max_binding()->set_hand_stiffness(0);
+  m_width.mutable_max_binding()->set_hand_damping(0);
+  v1::HandEnvelope envelope;
+  envelope.mutable_stiffness()->set_min(100);
+  envelope.mutable_stiffness()->set_max(2000);
+  envelope.set_include_released_hand(true);
+  EXPECT_THAT(
+      MWidthReport(response, Axis(v1::AXIS_KIND_LINEAR), {.envelope = envelope}),
+      HasSubstr("Robust for hand stiffness 100 to 2000 N/m, a released hand, delay 0 to 0.5 ms.\nIts edges "
+                "are set by hand stiffness 2000 N/m (lower) and a released hand (upper).\n"));
+}
+
+TEST(StateReportTest, ShowsTheFilterThatRunsAndWhatItIsRobustFor) {
+  v1::GetStateResponse response;
+  auto& info = *response.add_axes()->mutable_info();
+  info = Axis(v1::AXIS_KIND_ROTARY);
+  info.mutable_loop()->set_estimator(v1::ESTIMATOR_KIND_BUTTERWORTH);
+  info.mutable_loop()->set_cutoff_hz(25);
+  EXPECT_THAT(StateReport(response), HasSubstr("robust for       this loop alone\n"));
+  info.mutable_tolerance()->mutable_mass()->set_min(0.04);
+  info.mutable_tolerance()->mutable_mass()->set_max(0.06);
+  const auto text = StateReport(response);
+  EXPECT_THAT(text, HasSubstr("filter           butterworth, cut-off 25 Hz\n"));
+  EXPECT_THAT(text, HasSubstr("robust for       device mass 0.04 to 0.06 kg m²\n"));
 }
 
 TEST(StateReportTest, NamesTheStateAndTheFault) {

@@ -33,6 +33,23 @@ TEST(SweepRangeTest, EveryParameterOfTheApiHasItsName) {
   }
 }
 
+TEST(ParameterRangeTest, IsLeastAndGreatest) {
+  const auto range = ParseParameterRange("--hand-damping-range", "-1.5:2e3");
+  EXPECT_EQ(range.min(), -1.5);
+  EXPECT_EQ(range.max(), 2000);
+}
+
+TEST(ParameterRangeTest, WhatIsNoRangeIsRefusedWithTheNameOfItsOption) {
+  for (const char* text : {"", ":", "5", "5:", ":5", "5:6:7", "a:b", "1:2 "}) {
+    try {
+      ParseParameterRange("--hand-damping-range", text);
+      ADD_FAILURE() << text;
+    } catch (const CLI::ValidationError& error) {
+      EXPECT_TRUE(std::string(error.what()).starts_with("--hand-damping-range: ")) << error.what();
+    }
+  }
+}
+
 TEST(SweepRangeTest, WhatIsNoRangeIsRefused) {
   for (const char* text :
        {"", "cutoff-hz", "=1:2", "cutoff-hz=", "cutoff-hz=1", "cutoff-hz=1:", "cutoff-hz=1:2:3:4",

@@ -3,6 +3,8 @@
 #include <google/rpc/error_details.pb.h>
 #include <gtest/gtest.h>
 
+#include "tests/client/fake_answers.h"
+
 namespace mwidth::client {
 namespace {
 
@@ -57,6 +59,21 @@ TEST(ErrorTest, TellsADecisionOfTheServerFromABreakdown) {
                           grpc::StatusCode::INTERNAL, grpc::StatusCode::UNIMPLEMENTED}) {
     EXPECT_FALSE(Error({code, ""}).DeclinedByServer()) << code;
   }
+}
+
+TEST(CallErrorTest, SaysWhatTheWordsOfGrpcMean) {
+  const auto gone = CallError({grpc::StatusCode::UNAVAILABLE, "Socket closed"});
+  EXPECT_STREQ(gone.what(), "the server cannot be reached: Socket closed");
+  EXPECT_EQ(gone.code(), grpc::StatusCode::UNAVAILABLE);
+  EXPECT_STREQ(CallError({grpc::StatusCode::DEADLINE_EXCEEDED, "Deadline Exceeded"}).what(),
+               "the server did not answer in time");
+}
+
+TEST(CallErrorTest, KeepsTheWordsOfTheServer) {
+  const auto silent = CallError(mwidth::testing::Failure(grpc::StatusCode::UNAVAILABLE, "LOOP_SILENT",
+                                                         "The loop of this axis does not answer"));
+  EXPECT_STREQ(silent.what(), "The loop of this axis does not answer");
+  EXPECT_EQ(silent.reason(), "LOOP_SILENT");
 }
 
 }  // namespace
