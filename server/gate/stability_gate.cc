@@ -81,13 +81,6 @@ void StabilityGate::TakeRobust() {
     }
     return;
   }
-  if (loop_.estimator != model::EstimatorKind::kFilteredDifference) {
-    range_.robust.empty_reason =
-        std::string("of the ") + model::Name(loop_.estimator) +
-        " estimator nothing is proved yet but for a single loop: configure neither an "
-        "envelope nor a delay with it, or use the filtered-difference estimator";
-    return;
-  }
   certificate_ = certificates_->Get(AssumedLoops(loop_, requirements_));
   if (certificate_->empty()) {
     range_.robust.empty_reason = certificate_->empty_reason;

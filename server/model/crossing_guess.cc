@@ -6,7 +6,7 @@
 namespace mwidth::model {
 
 std::optional<LoopParameters> GuessWorstPlant(double x, const PlantBox& box, const PlantRange& plant,
-                                              const FirstOrderRange& estimator, MassSign sign,
+                                              const EstimatorRange& estimator, MassSign sign,
                                               double period_s) noexcept {
   const double mass_factor = plant.moving_mass.middle() / box.mass.middle();
   const double damping_factor = box.damping.hi > 0 ? plant.damping.middle() / box.damping.middle() : 0;

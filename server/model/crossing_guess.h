@@ -16,7 +16,7 @@ namespace mwidth::model {
 /// delay_s are set. Not rigorous: a place to evaluate the nominal edge at. Precondition: `plant` is bounded.
 /// Any thread.
 std::optional<LoopParameters> GuessWorstPlant(double x, const PlantBox& box, const PlantRange& plant,
-                                              const FirstOrderRange& estimator, MassSign sign,
+                                              const EstimatorRange& estimator, MassSign sign,
                                               double period_s) noexcept;
 
 }  // namespace mwidth::model

@@ -27,7 +27,7 @@ Interval Signed(const Interval& a, MassSign sign) noexcept { return sign == Mass
 
 }  // namespace
 
-CircleRange LoopFactor(const FirstOrderRange& estimator, const Arc& arc, const PlantRange& plant,
+CircleRange LoopFactor(const EstimatorRange& estimator, const Arc& arc, const PlantRange& plant,
                        int delay_ticks) noexcept {
   // n0 + n1/z + n2/z^2 = 1 - (1 - 1/z) (1 - n0 + n2/z)
   const Interval older = 1 - plant.newest;

@@ -21,7 +21,7 @@ namespace mwidth::model {
 enum class MassSign { kNegative, kPositive };
 
 /// V over an arc, for a plant's shares of the latest forces. Any thread.
-CircleRange LoopFactor(const FirstOrderRange& estimator, const Arc& arc, const PlantRange& plant,
+CircleRange LoopFactor(const EstimatorRange& estimator, const Arc& arc, const PlantRange& plant,
                        int delay_ticks) noexcept;
 
 /// The sizes |M| of crossing masses lie in lo..hi; there are none where lo > hi.

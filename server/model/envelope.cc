@@ -15,7 +15,8 @@ LoopParameters Corner(const LoopEnvelope& envelope, double ParameterRange::*end)
           .hand_stiffness = envelope.hand.hand_stiffness.*end,
           .period_s = envelope.period_s,
           .cutoff_hz = envelope.cutoff_hz,
-          .delay_s = envelope.delay_bound_s};
+          .delay_s = envelope.delay_bound_s,
+          .estimator = envelope.estimator};
 }
 
 }  // namespace
@@ -28,10 +29,16 @@ LoopEnvelope EnvelopeOf(const LoopParameters& loop) {
           .device = {.device_mass = point(loop.device_mass), .device_damping = point(loop.device_damping)},
           .period_s = loop.period_s,
           .cutoff_hz = loop.cutoff_hz,
-          .delay_bound_s = loop.delay_s};
+          .delay_bound_s = loop.delay_s,
+          .estimator = loop.estimator};
 }
 
 std::optional<ParameterError> Validate(const LoopEnvelope& envelope) {
+  if (IsAccelerometer(envelope.estimator)) {
+    return ParameterError{
+        "estimator", static_cast<double>(envelope.estimator),
+        "one that estimates from positions: bounds for whole envelopes know no accelerometer"};
+  }
   for (double ParameterRange::*end : {&ParameterRange::min, &ParameterRange::max}) {
     if (auto error = Validate(Corner(envelope, end))) {
       if (error->parameter == "delay_s") {

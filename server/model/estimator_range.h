@@ -2,6 +2,8 @@
 // which estimator it runs.
 #pragma once
 
+#include "server/model/estimator_factors.h"
+#include "server/model/estimator_kind.h"
 #include "server/model/interval.h"
 
 namespace mwidth::model {
@@ -31,18 +33,66 @@ inline CircleRange Multiply(const CircleRange& a, const CircleRange& b, const Ar
   return {a.re * b.re - arc.sine_squared * (a.im * b.im), a.re * b.im + a.im * b.re};
 }
 
-/// Double difference and first-order filter (eqs. 3, 4): -T^2 C(z)/u = f/(w + f), f = 1 - a, w = z - 1.
+/// f/(w + f) with w = z - 1 and 0 < f <= 1: a first-order filter, 1 at standstill.
 class FirstOrderRange {
  public:
-  FirstOrderRange(double period_s, double cutoff_hz) noexcept;
+  FirstOrderRange() = default;
+  /// `gap` holds f, `pole` 1 - f.
+  FirstOrderRange(const Interval& gap, const Interval& pole) noexcept : gap_(gap), pole_(pole) {}
+
+  CircleRange Over(const Arc& arc) const noexcept;
+
+ private:
+  Interval gap_{};
+  Interval pole_{};
+};
+
+/// B(1)/B for a factor of degree 2 of estimator_factors.h, times z: a second-order filter, 1 at standstill.
+///
+///   z conj(B) = p(x) - j turn sin(t), p linear in x      |B|^2 = p^2 + 4 x (1 - x) turn^2
+///
+/// Where the derivative has one sign over an arc, its ends bound the quotients by |B|^2; elsewhere interval
+/// arithmetic does, on arcs that become short.
+class SecondOrderRange {
+ public:
+  SecondOrderRange() = default;
+  /// The coefficients of `factor`, which is of degree 2, are taken to be off by `ulps` units in the last
+  /// place.
+  SecondOrderRange(const PoleFactor& factor, double ulps) noexcept;
+
+  CircleRange Over(const Arc& arc) const noexcept;
+
+ private:
+  Interval PAt(const Interval& x) const noexcept { return at_c_ + slope_ * x; }
+  Interval SizeAt(const Interval& x) const noexcept {
+    return Square(PAt(x)) + 4 * (x * (1 - x) * turn_squared_);
+  }
+  Interval SizeOver(const Interval& x) const noexcept;
+
+  Interval at_c_{};
+  /// p' = at_s - at_c.
+  Interval slope_{};
+  Interval turn_{};
+  Interval turn_squared_{};
+  /// |B|^2 = at_c^2 + linear_ x + square_ x^2.
+  Interval linear_{};
+  Interval square_{};
+};
+
+/// The estimator C(z) of a loop, from positions.
+class EstimatorRange {
+ public:
+  /// Encloses the coefficients that the loop runs with, give or take 64 units in the last place.
+  /// Precondition: Runs(kind, period_s, cutoff_hz).
+  EstimatorRange(EstimatorKind kind, double period_s, double cutoff_hz) noexcept;
 
   /// Encloses -T^2 C(z)/u, which is 1 at standstill. Any thread.
   CircleRange Over(const Arc& arc) const noexcept;
 
  private:
-  /// f and a.
-  Interval gap_;
-  Interval pole_;
+  EstimatorKind kind_;
+  FirstOrderRange first_order_;
+  SecondOrderRange second_order_;
 };
 
 }  // namespace mwidth::model

@@ -121,9 +121,11 @@ RobustCertificate CertifyRobustInterval(const LoopEnvelope& envelope) {
     box.stiffness = Range(hands[i].stiffness);
     AddDelays(boxes, hand_of_box, box, i, envelope);
   }
+  const Sampling sampling{
+      .period_s = envelope.period_s, .cutoff_hz = envelope.cutoff_hz, .estimator = envelope.estimator};
   const SearchEffort& effort = IsPoint(envelope) ? kPointEffort : kEffort;
   for (const MassSign sign : {MassSign::kNegative, MassSign::kPositive}) {
-    const WorstEdge worst = FindWorstEdge(boxes, envelope.period_s, envelope.cutoff_hz, sign, effort);
+    const WorstEdge worst = FindWorstEdge(boxes, sampling, sign, effort);
     (sign == MassSign::kPositive ? certificate.upper : certificate.lower) =
         MakeEdge(envelope, hands[hand_of_box[worst.binding_box]], worst, sign);
     certificate.boxes += worst.boxes;

@@ -24,8 +24,7 @@ struct RobustEdge {
 
 /// What is vouched for, and under which assumptions. Immutable once made.
 struct RobustCertificate {
-  /// The assumptions: hands, devices, delays, sample period; the paper's estimator with this cut-off (eqs. 3,
-  /// 4).
+  /// The assumptions: hands, devices, delays, sample period; the estimator with its cut-off.
   LoopEnvelope assumed;
   RobustEdge lower;
   RobustEdge upper;

@@ -50,8 +50,10 @@ double NaturalFrequencySpread(const PlantRange& plant) { return (plant.kappa - S
 
 class Search {
  public:
-  Search(double period_s, double cutoff_hz, MassSign sign)
-      : period_s_(period_s), cutoff_hz_(cutoff_hz), estimator_(period_s, cutoff_hz), sign_(sign) {
+  Search(const Sampling& sampling, MassSign sign)
+      : sampling_(sampling),
+        estimator_(sampling.estimator, sampling.period_s, sampling.cutoff_hz),
+        sign_(sign) {
     edge_.found = kInfinity;
   }
 
@@ -83,9 +85,8 @@ class Search {
   // Lowers edge_.found to the nominal edge of a plant of a box, if it is smaller.
   void Try(LoopParameters plant, std::size_t index);
 
-  double period_s_;
-  double cutoff_hz_;
-  FirstOrderRange estimator_;
+  Sampling sampling_;
+  EstimatorRange estimator_;
   MassSign sign_;
   WorstEdge edge_;
   std::priority_queue<Cell> queue_;
@@ -96,7 +97,8 @@ WorstEdge Search::Run(std::span<const PlantBox> boxes, const SearchEffort& effor
     TryCorners(boxes[i], i);
   }
   for (std::size_t i = 0; i < boxes.size(); ++i) {
-    const Cell cell{.x = {0, 1}, .box = boxes[i], .box_index = i, .plant = Enclose(boxes[i], period_s_)};
+    const Cell cell{
+        .x = {0, 1}, .box = boxes[i], .box_index = i, .plant = Enclose(boxes[i], sampling_.period_s)};
     Cell half_rate = cell;
     half_rate.x = Exactly(1);
     Add(cell);
@@ -139,7 +141,7 @@ bool Search::Bound(Cell& cell) {
     if (i == kNarrowings || !Narrow(cell.box, arc, cell.plant, factor, sign_, sizes)) {
       return true;
     }
-    cell.plant = Enclose(cell.box, period_s_);
+    cell.plant = Enclose(cell.box, sampling_.period_s);
   }
 }
 
@@ -164,8 +166,8 @@ Search::Halves Search::HalvePlant(const Cell& cell, Interval PlantBox::*directio
   Halves halves{.low = cell, .high = cell};
   (halves.low.box.*direction).hi = at;
   (halves.high.box.*direction).lo = at;
-  halves.low.plant = Enclose(halves.low.box, period_s_);
-  halves.high.plant = Enclose(halves.high.box, period_s_);
+  halves.low.plant = Enclose(halves.low.box, sampling_.period_s);
+  halves.high.plant = Enclose(halves.high.box, sampling_.period_s);
   BoundHalves(halves, RelativeWidth(cell.box.*direction));
   if (cell.plant.knowledge == PlantKnowledge::kUnbounded) {
     halves.gain = -NaturalFrequencySpread(halves.low.plant) - NaturalFrequencySpread(halves.high.plant);
@@ -210,7 +212,7 @@ void Search::TryCorners(const PlantBox& box, std::size_t index) {
     Try({.device_mass = end(box.mass, 0),
          .device_damping = end(box.damping, 1),
          .hand_stiffness = end(box.stiffness, 2),
-         .delay_s = (box.delay_ticks + end(box.fraction, 3)) * period_s_},
+         .delay_s = (box.delay_ticks + end(box.fraction, 3)) * sampling_.period_s},
         index);
   }
 }
@@ -220,14 +222,15 @@ void Search::TryInside(const Cell& cell) {
   if (x <= 0 || cell.plant.knowledge == PlantKnowledge::kUnbounded) {
     return;
   }
-  if (const auto plant = GuessWorstPlant(x, cell.box, cell.plant, estimator_, sign_, period_s_)) {
+  if (const auto plant = GuessWorstPlant(x, cell.box, cell.plant, estimator_, sign_, sampling_.period_s)) {
     Try(*plant, cell.box_index);
   }
 }
 
 void Search::Try(LoopParameters plant, std::size_t index) {
-  plant.period_s = period_s_;
-  plant.cutoff_hz = cutoff_hz_;
+  plant.period_s = sampling_.period_s;
+  plant.cutoff_hz = sampling_.cutoff_hz;
+  plant.estimator = sampling_.estimator;
   const MWidth width = ComputeMWidth(plant);
   const double size = std::abs(sign_ == MassSign::kPositive ? width.upper.mass : width.lower.mass);
   if (!width.empty() && size < edge_.found) {
@@ -239,9 +242,9 @@ void Search::Try(LoopParameters plant, std::size_t index) {
 
 }  // namespace
 
-WorstEdge FindWorstEdge(std::span<const PlantBox> boxes, double period_s, double cutoff_hz, MassSign sign,
+WorstEdge FindWorstEdge(std::span<const PlantBox> boxes, const Sampling& sampling, MassSign sign,
                         const SearchEffort& effort) {
-  return Search(period_s, cutoff_hz, sign).Run(boxes, effort);
+  return Search(sampling, sign).Run(boxes, effort);
 }
 
 }  // namespace mwidth::model

@@ -23,6 +23,14 @@ struct WorstEdge {
   int boxes = 0;
 };
 
+/// What all loops of a search have in common.
+struct Sampling {
+  double period_s = 0;
+  double cutoff_hz = 0;
+  /// One of kEstimatorKinds.
+  EstimatorKind estimator = EstimatorKind::kFilteredDifference;
+};
+
 struct SearchEffort {
   /// Ends the search once `proved` is at least (1 - tolerance) `found`.
   double tolerance = 0;
@@ -35,9 +43,9 @@ struct SearchEffort {
 /// comes up to the smallest nominal edge found in them. Neither the choice of boxes nor the nominal edges can
 /// make the result unsound, only less tight.
 ///
-/// `boxes` is not empty; their mass is above 0, their damping above 0 unless their stiffness is exactly 0;
-/// the estimator is the first-order filter of `cutoff_hz`. Any thread; allocates.
-WorstEdge FindWorstEdge(std::span<const PlantBox> boxes, double period_s, double cutoff_hz, MassSign sign,
+/// `boxes` is not empty; their mass is above 0, their damping above 0 unless their stiffness is exactly 0.
+/// Any thread; allocates.
+WorstEdge FindWorstEdge(std::span<const PlantBox> boxes, const Sampling& sampling, MassSign sign,
                         const SearchEffort& effort);
 
 }  // namespace mwidth::model

@@ -278,14 +278,26 @@ TEST(StabilityGate, AdmitsNothingWhereOneHandOfTheEnvelopeHasNoMWidth) {
   EXPECT_TRUE(gate.Judge(0, kWide, kLinear).admitted);
 }
 
-TEST(StabilityGate, VouchesForOtherEstimatorsInASingleLoopOnly) {
+TEST(StabilityGate, VouchesForEveryEstimatorWithManyHands) {
+  for (const model::EstimatorKind kind : model::kEstimatorKinds) {
+    model::LoopParameters loop = PaperLoop();
+    loop.estimator = kind;
+    const StabilityGate gate(loop, ManyHands());
+    const MassRange& range = gate.range();
+    ASSERT_FALSE(range.robust.empty()) << model::Name(kind);
+    EXPECT_LT(range.robust.max, range.nominal.max);
+    EXPECT_GT(range.robust.min, range.nominal.min);
+    EXPECT_EQ(range.min_binding->estimator, kind);
+    EXPECT_FALSE(gate.Judge(1.01 * range.admitted.max, kWide, kLinear).admitted);
+    EXPECT_TRUE(gate.Judge(0.99 * range.admitted.max, kWide, kLinear).admitted);
+  }
+}
+
+TEST(StabilityGate, RefusesAnAccelerometer) {
   model::LoopParameters loop = PaperLoop();
-  loop.estimator = model::EstimatorKind::kKalman;
-  EXPECT_TRUE(StabilityGate(loop, {.gain_margin_db = 3}).Judge(0.1, kWide, kLinear).admitted);
-  const StabilityGate gate(loop, ManyHands());
-  EXPECT_FALSE(gate.range().nominal.empty());
-  EXPECT_THAT(gate.range().robust.empty_reason, HasSubstr("kalman"));
-  EXPECT_FALSE(gate.Judge(0.1, kWide, kLinear).admitted);
+  loop.estimator = model::EstimatorKind::kAccelerometer;
+  loop.accelerometer_bandwidth_hz = 100;
+  EXPECT_THROW(StabilityGate(loop, {.gain_margin_db = 3}), std::invalid_argument);
 }
 
 TEST(StabilityGate, RefusesAnEnvelopeThatIsNone) {

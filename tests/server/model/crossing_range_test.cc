@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <cstddef>
 #include <numbers>
 
 #include "server/model/linear_estimator.h"
@@ -23,14 +24,15 @@ Interval Around(double x, double low_factor, double high_factor) {
 TEST(EstimatorRange, HoldsTheEstimatorOnTheArc) {
   RandomPlants random(21);
   for (int i = 0; i < 2000; ++i) {
-    const double cutoff_hz = random.LogUniform(0.1, 0.5 / kPeriod);
+    const EstimatorKind kind = kEstimatorKinds.at(static_cast<std::size_t>(i) % kEstimatorKinds.size());
+    const double cutoff_hz = random.LogUniform(0.1, CutoffRangeOf(kind).max / kPeriod);
     const double angle = random.LogUniform(1e-5, std::numbers::pi);
     const double half_sine = std::sin(angle / 2);
     const double x = half_sine * half_sine;
     const Arc arc(Around(x, random.Uniform(0.5, 1), random.Uniform(1, 2)));
-    const CircleRange range = FirstOrderRange(kPeriod, cutoff_hz).Over(arc);
+    const CircleRange range = EstimatorRange(kind, kPeriod, cutoff_hz).Over(arc);
     const std::complex<double> response =
-        EstimatorOf({.period_s = kPeriod, .cutoff_hz = cutoff_hz})
+        EstimatorOf({.period_s = kPeriod, .cutoff_hz = cutoff_hz, .estimator = kind})
             .Response(AtFrequency(angle / (2 * std::numbers::pi * kPeriod), kPeriod));
     const std::complex<double> factor = -kPeriod * kPeriod * response / (4 * x);
     const double rounding = 1e-10;
@@ -48,12 +50,14 @@ TEST(EstimatorRange, HoldsTheEstimatorOnTheArc) {
 TEST(CrossingRange, HoldsTheCrossingsOfEveryPlantOfABox) {
   RandomPlants random(22);
   int held = 0;
-  for (int i = 0; i < 4000; ++i) {
+  for (int i = 0; i < 8000; ++i) {
     const PlantBox box = random.Box(kPeriod);
     const PlantRange range = Enclose(box, kPeriod);
     const double cutoff_hz = random.LogUniform(0.5, 0.48 / kPeriod);
+    const EstimatorKind kind = kEstimatorKinds.at(static_cast<std::size_t>(i) % kEstimatorKinds.size());
     LoopParameters loop = random.Inside(box, kPeriod);
     loop.cutoff_hz = cutoff_hz;
+    loop.estimator = kind;
     const MWidth width = ComputeMWidth(loop);
     ASSERT_FALSE(width.empty());
     for (const MassSign sign : {MassSign::kNegative, MassSign::kPositive}) {
@@ -64,7 +68,8 @@ TEST(CrossingRange, HoldsTheCrossingsOfEveryPlantOfABox) {
       const bool at_end = x < 1e-25 || 1 - x < 1e-12;
       const Arc arc(at_end ? Exactly(std::round(x))
                            : Around(x, random.Uniform(0.9, 1 - 1e-7), random.Uniform(1 + 1e-7, 1.1)));
-      const CircleRange factor = LoopFactor(FirstOrderRange(kPeriod, cutoff_hz), arc, range, box.delay_ticks);
+      const CircleRange factor =
+          LoopFactor(EstimatorRange(kind, kPeriod, cutoff_hz), arc, range, box.delay_ticks);
       const CrossingSizes sizes = BoundCrossings(arc, range, factor, sign);
       const double size = std::abs(edge.mass);
       ASSERT_LE(sizes.lo, size * (1 + 1e-9)) << i;
@@ -80,7 +85,7 @@ TEST(CrossingRange, HoldsTheCrossingsOfEveryPlantOfABox) {
       }
     }
   }
-  EXPECT_GT(held, 2000);
+  EXPECT_GT(held, 4000);
 }
 
 TEST(CrossingRange, ExcludesAnArcWithoutCrossings) {
@@ -90,7 +95,8 @@ TEST(CrossingRange, ExcludesAnArcWithoutCrossings) {
   const PlantRange range = Enclose(box, kPeriod);
   const double x = 1e-8;  // 0.03 Hz
   const Arc arc({0.5 * x, x});
-  const CircleRange factor = LoopFactor(FirstOrderRange(kPeriod, 10), arc, range, 0);
+  const CircleRange factor =
+      LoopFactor(EstimatorRange(EstimatorKind::kFilteredDifference, kPeriod, 10), arc, range, 0);
   EXPECT_TRUE(BoundCrossings(arc, range, factor, MassSign::kNegative).none());
 }
 

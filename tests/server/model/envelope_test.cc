@@ -61,5 +61,12 @@ TEST(Envelope, RefusesWhatIsNotFiniteOrOutOfRangeAtEitherEnd) {
   ExpectError(envelope, "delay_bound_s", "0.003");
 }
 
+TEST(Envelope, RefusesAnAccelerometer) {
+  LoopParameters loop = TableTwo();
+  loop.estimator = EstimatorKind::kAccelerometer;
+  loop.accelerometer_bandwidth_hz = 100;
+  ExpectError(EnvelopeOf(loop), "estimator", "from positions");
+}
+
 }  // namespace
 }  // namespace mwidth::model

@@ -1,7 +1,7 @@
 // An adversary looks for a loop that a certificate overlooked.
 //
-// MWIDTH_ADVERSARY_POINTS sets how many loops it tries in each of 60 envelopes (3000); 20000 make more than a
-// million.
+// MWIDTH_ADVERSARY_POINTS sets how many loops it tries in each of 60 envelopes of each estimator (3000);
+// 20000 make more than a million of each.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -44,7 +44,8 @@ LoopParameters At(const LoopEnvelope& envelope, const Place& place, bool release
                       .hand_stiffness = along(envelope.hand.hand_stiffness, place[4]),
                       .period_s = envelope.period_s,
                       .cutoff_hz = envelope.cutoff_hz,
-                      .delay_s = envelope.delay_bound_s * place[5]};
+                      .delay_s = envelope.delay_bound_s * place[5],
+                      .estimator = envelope.estimator};
   if (released) {
     loop.hand_damping = loop.hand_stiffness = 0;
     loop.hand_mass = envelope.hand.hand_mass.max * place[2];
@@ -54,12 +55,13 @@ LoopParameters At(const LoopEnvelope& envelope, const Place& place, bool release
 
 // Wide boxes and narrow ones, of hands from slack to stiff. In three of ten the device may have no damping,
 // in one of ten the hand neither (and then no stiffness); half count the released hand.
-LoopEnvelope RandomEnvelope(RandomLoops& random, int index) {
+LoopEnvelope RandomEnvelope(RandomLoops& random, int index, EstimatorKind estimator) {
   const auto range = [&random](double low, double high, double spread) {
     const double first = random.LogUniform(low, high);
     return ParameterRange{.min = first, .max = first * random.LogUniform(1, spread)};
   };
   LoopEnvelope envelope;
+  envelope.estimator = estimator;
   envelope.period_s = random.LogUniform(1e-4, 4e-3);
   envelope.cutoff_hz = random.LogUniform(1, 0.48 / envelope.period_s);
   envelope.delay_bound_s = index % 4 == 0 ? 0 : envelope.period_s * random.Uniform(0, 3);
@@ -157,7 +159,14 @@ void ExpectStable(const LoopParameters& loop, double mass) {
   EXPECT_TRUE(IsStableByJury(ClosedLoop(loop).Characteristic(mass))) << mass;
 }
 
-TEST(RobustInterval, WithstandsAnAdversaryAndIsTight) {
+class RobustIntervalOf : public testing::TestWithParam<EstimatorKind> {};
+
+INSTANTIATE_TEST_SUITE_P(EveryEstimator, RobustIntervalOf, testing::ValuesIn(kEstimatorKinds),
+                         [](const auto& kind) {
+                           return "Kind" + std::to_string(static_cast<int>(kind.param));
+                         });
+
+TEST_P(RobustIntervalOf, WithstandsAnAdversaryAndIsTight) {
   RandomLoops random(51);
   int tried = 0;
   double largest_gap = 0;
@@ -166,7 +175,7 @@ TEST(RobustInterval, WithstandsAnAdversaryAndIsTight) {
   Seconds querying{0};
   for (int i = 0; i < kEnvelopes; ++i) {
     SCOPED_TRACE("envelope " + std::to_string(i));
-    const LoopEnvelope envelope = RandomEnvelope(random, i);
+    const LoopEnvelope envelope = RandomEnvelope(random, i, GetParam());
     ASSERT_FALSE(Validate(envelope).has_value());
     const auto start = std::chrono::steady_clock::now();
     const RobustCertificate certificate = CertifyRobustInterval(envelope);
@@ -194,24 +203,25 @@ TEST(RobustInterval, WithstandsAnAdversaryAndIsTight) {
     }
     boxes += certificate.boxes;
   }
-  std::cout << tried << " loops in " << kEnvelopes << " envelopes; largest gap " << largest_gap << "; "
-            << boxes / kEnvelopes << " boxes, " << 1e3 * proving.count() / kEnvelopes << " ms, or "
-            << proving.count() / kEnvelopes / (querying.count() / tried)
+  std::cout << Name(GetParam()) << ": " << tried << " loops in " << kEnvelopes << " envelopes; largest gap "
+            << largest_gap << "; " << boxes / kEnvelopes << " boxes, " << 1e3 * proving.count() / kEnvelopes
+            << " ms, or " << proving.count() / kEnvelopes / (querying.count() / tried)
             << " loops of the adversary's, a certificate\n";
 }
 
 // Loops that nobody builds: natural frequencies above the sample rate, damped away within a tick, held by a
 // hand of a thousand times the device's mass. There the effort may run out; what is proved must hold all the
 // same.
-LoopEnvelope AnyEnvelope(RandomLoops& random) {
+LoopEnvelope AnyEnvelope(RandomLoops& random, EstimatorKind estimator) {
   const auto range = [&random](double low, double high) {
     const double first = random.LogUniform(low, high);
     const double second = random.LogUniform(low, high);
     return ParameterRange{.min = std::min(first, second), .max = std::max(first, second)};
   };
   LoopEnvelope envelope;
+  envelope.estimator = estimator;
   envelope.period_s = random.LogUniform(1e-5, 1e-2);
-  envelope.cutoff_hz = random.LogUniform(0.5, 0.5 / envelope.period_s);
+  envelope.cutoff_hz = random.LogUniform(0.5, CutoffRangeOf(estimator).max / envelope.period_s);
   envelope.delay_bound_s = envelope.period_s * random.Uniform(0, 3);
   envelope.device.device_mass = range(1e-3, 1e1);
   envelope.device.device_damping = range(1e-4, 1e1);
@@ -222,13 +232,13 @@ LoopEnvelope AnyEnvelope(RandomLoops& random) {
   return envelope;
 }
 
-TEST(RobustInterval, WithstandsAnAdversaryWhereItIsNotTight) {
+TEST_P(RobustIntervalOf, WithstandsAnAdversaryWhereItIsNotTight) {
   RandomLoops random(52);
   int tight = 0;
   constexpr int kWildEnvelopes = 16;
   for (int i = 0; i < kWildEnvelopes; ++i) {
     SCOPED_TRACE("envelope " + std::to_string(i));
-    const LoopEnvelope envelope = AnyEnvelope(random);
+    const LoopEnvelope envelope = AnyEnvelope(random, GetParam());
     const RobustCertificate certificate = CertifyRobustInterval(envelope);
     ASSERT_FALSE(certificate.empty());
     Adversary adversary(envelope, random);
@@ -239,7 +249,7 @@ TEST(RobustInterval, WithstandsAnAdversaryWhereItIsNotTight) {
     EXPECT_GT(certificate.upper.mass, 0);
     tight += std::max(certificate.lower.gap(), certificate.upper.gap()) < 0.01 ? 1 : 0;
   }
-  std::cout << tight << " of " << kWildEnvelopes << " within 1 %\n";
+  std::cout << Name(GetParam()) << ": " << tight << " of " << kWildEnvelopes << " within 1 %\n";
 }
 
 }  // namespace

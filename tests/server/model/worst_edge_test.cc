@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstddef>
 #include <vector>
 
 #include "server/model/m_width.h"
@@ -31,11 +32,13 @@ double NominalSize(const MWidth& width, MassSign sign) {
 TEST(WorstEdge, OfOneLoopIsItsNominalEdge) {
   RandomLoops random(31);
   const SearchEffort effort{.tolerance = 1e-6, .max_boxes = 20000};
-  for (int i = 0; i < 1500; ++i) {
-    const LoopParameters loop = random.Next();
+  for (int i = 0; i < 3000; ++i) {
+    LoopParameters loop = random.Next();
+    loop.estimator = kEstimatorKinds.at(static_cast<std::size_t>(i) % kEstimatorKinds.size());
     const std::vector<PlantBox> boxes{BoxOf(loop)};
     for (const MassSign sign : {MassSign::kNegative, MassSign::kPositive}) {
-      const WorstEdge edge = FindWorstEdge(boxes, loop.period_s, loop.cutoff_hz, sign, effort);
+      const WorstEdge edge =
+          FindWorstEdge(boxes, {loop.period_s, loop.cutoff_hz, loop.estimator}, sign, effort);
       const double nominal = NominalSize(ComputeMWidth(loop), sign);
       EXPECT_LE(edge.proved, nominal * (1 + 1e-12)) << i;
       EXPECT_GE(edge.proved, nominal * (1 - 1e-6)) << i << " boxes " << edge.boxes;
@@ -54,8 +57,8 @@ TEST(WorstEdge, IsSoundWhateverTheEffort) {
     const std::vector<PlantBox> boxes{box};
     double before = 0;
     for (const int max_boxes : {1, 10, 100, 1000, 10000}) {
-      const WorstEdge edge = FindWorstEdge(boxes, loop.period_s, loop.cutoff_hz, MassSign::kNegative,
-                                           {.tolerance = 1e-3, .max_boxes = max_boxes});
+      const WorstEdge edge = FindWorstEdge(boxes, {loop.period_s, loop.cutoff_hz, loop.estimator},
+                                           MassSign::kNegative, {.tolerance = 1e-3, .max_boxes = max_boxes});
       EXPECT_GE(edge.proved, before);
       EXPECT_LE(edge.proved, edge.found);
       EXPECT_LE(edge.found, NominalSize(ComputeMWidth(loop), MassSign::kNegative));
@@ -69,8 +72,8 @@ TEST(WorstEdge, OfSeveralBoxesIsThatOfTheWorst) {
   LoopParameters light = loop;
   light.device_mass /= 2;
   const std::vector<PlantBox> boxes{BoxOf(loop), BoxOf(light)};
-  const WorstEdge edge =
-      FindWorstEdge(boxes, loop.period_s, loop.cutoff_hz, MassSign::kPositive, {1e-6, 10000});
+  const WorstEdge edge = FindWorstEdge(boxes, {loop.period_s, loop.cutoff_hz, loop.estimator},
+                                       MassSign::kPositive, {1e-6, 10000});
   EXPECT_EQ(edge.binding_box, 1U);
   EXPECT_NEAR(edge.proved, ComputeMWidth(light).upper.mass, 1e-6 * edge.proved);
 }
