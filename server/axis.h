@@ -38,6 +38,8 @@ class Axis {
   /// Stops.
   ~Axis();
 
+  /// Begins to ramp down what is rendered, and returns at once.
+  void BeginStop() { loop_->BeginStop(); }
   /// Ramps down what is rendered, then ends the loop, then the streams. Does no harm twice.
   void Stop();
 

@@ -114,6 +114,10 @@ void Serve(const server::Config& config, const std::vector<std::unique_ptr<serve
   int signal = 0;
   sigwait(&ending, &signal);
   std::cerr << "ending on signal " << signal << '\n';
+  // A person may be held by all of them: none renders on while another ramps down.
+  for (const auto& axis : axes) {
+    axis->BeginStop();
+  }
   for (const auto& axis : axes) {
     axis->Stop();
   }

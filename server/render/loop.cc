@@ -63,7 +63,7 @@ RealtimeReport Loop::Start() {
 }
 
 void Loop::Stop() noexcept {
-  stopping_.store(true, std::memory_order_relaxed);
+  BeginStop();
   if (thread_.joinable()) {
     thread_.join();
   }

@@ -34,6 +34,8 @@ class Loop {
   /// Begins to tick, in IDLE, and says what the host granted. Throws std::system_error if there is no thread
   /// to have.
   RealtimeReport Start();
+  /// Begins what Stop does, without waiting for it: several loops can end at the same time. Any thread.
+  void BeginStop() noexcept { stopping_.store(true, std::memory_order_relaxed); }
   /// Ramps what is rendered to zero (0.2 s of the clock), disables the drive and ends the thread.
   void Stop() noexcept;
 

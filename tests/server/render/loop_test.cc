@@ -180,6 +180,21 @@ TEST_F(LoopTest, LeavesIdleCpusAloneWhereNothingOrNotThisIsAskedOfTheHost) {
   munlockall();
 }
 
+TEST_F(LoopTest, BeginsToStopWithoutBeingWaitedFor) {
+  Start();
+  exchange::Settings settings{.sequence = 1, .rendering = true, .render_epoch = 1, .mass = 0.1, .ramp_s = 0};
+  settings.lease_deadline_ns = INT64_MAX;
+  settings.filter = {.estimator = 0, .cutoff_hz = TestConfig().cutoff_hz};
+  crossing->settings.Post(settings);
+  Next();
+  EXPECT_EQ(Next().mass, 0.1);
+  loop->BeginStop();
+  Next();
+  const Sample ramping = Next();
+  EXPECT_LT(ramping.mass, 0.1);
+  EXPECT_GT(ramping.mass, 0);
+}
+
 TEST_F(LoopTest, RampsDownAndDisablesTheDriveWhenItStops) {
   Start();
   crossing->settings.Post({.sequence = 1,

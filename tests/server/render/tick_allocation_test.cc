@@ -6,8 +6,12 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <memory>
 #include <new>
 
+#include "server/exchange/clock.h"
+#include "server/exchange/tick_statistics.h"
+#include "server/render/timed_drive.h"
 #include "tests/server/render/axis.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -111,6 +115,25 @@ TEST_F(TickAllocationTest, NoTickAllocatesInAnyState) {
   const uint64_t after = allocations.load();
   EXPECT_EQ(after - before, 0);
   EXPECT_EQ(axis.status.fault.fault, exchange::Fault::kEmergencyStop);
+}
+
+TEST_F(TickAllocationTest, NothingAroundATickAllocates) {
+  ScriptedDrive drive;
+  exchange::MonotonicClock clock(10'000);
+  const auto statistics = std::make_unique<exchange::TickStatistics>();
+  const uint64_t before = allocations.load();
+  TimedDrive timed(drive, clock);
+  timed.Enable();
+  for (uint64_t tick = 1; tick <= 100; ++tick) {
+    clock.SleepUntilNs(clock.NowNs() + 20'000);
+    timed.Read(tick);
+    timed.Write(1);
+    const DriveTimes times = timed.TakeTimes();
+    statistics->Record({.io_ns = times.io_ns, .loop_delay_ns = times.loop_delay_ns, .missed_ticks = tick});
+  }
+  timed.Disable();
+  EXPECT_EQ(statistics->loop_delay().Figures().count, 100);
+  EXPECT_EQ(allocations.load() - before, 0);
 }
 
 }  // namespace
