@@ -1,6 +1,7 @@
 #include "server/model/loop_simulation.h"
 
 #include <array>
+#include <stdexcept>
 
 namespace mwidth::model {
 namespace {
@@ -40,15 +41,18 @@ std::optional<ParameterError> Validate(const Imperfections& imperfections) {
   return std::nullopt;
 }
 
-LoopSimulation::LoopSimulation(const LoopParameters& loop, double mass,
-                               const Imperfections& imperfections) noexcept
+LoopSimulation::LoopSimulation(const LoopParameters& loop, double mass, const Imperfections& imperfections)
     : loop_(loop),
       mass_(mass),
       imperfections_(imperfections),
       ideal_motor_(imperfections.force_quantum == 0 && std::isinf(imperfections.force_limit)),
       largest_counts_(imperfections.force_quantum > 0 ? LargestCounts(imperfections) : 0),
       estimator_(loop.period_s, loop.cutoff_hz, loop.estimator),
-      plant_(PlantOf(loop, imperfections.coulomb_friction)) {}
+      plant_(PlantOf(loop, imperfections.coulomb_friction)) {
+  if (IsAccelerometer(loop.estimator)) {
+    throw std::invalid_argument("the simulated loop reads positions, not an accelerometer");
+  }
+}
 
 void LoopSimulation::Reset(double position, double velocity, double hand_position) noexcept {
   estimator_.Reset(Read(position));

@@ -52,9 +52,9 @@ struct LoopSample {
 /// not numbers; a step never fails. One thread. All but the constructor is Rt.
 class LoopSimulation {
  public:
-  /// At rest at 0. Precondition: Validate of `loop` and of `imperfections` is empty; the estimator is one of
-  /// kEstimatorKinds; `mass` is finite.
-  LoopSimulation(const LoopParameters& loop, double mass, const Imperfections& imperfections = {}) noexcept;
+  /// At rest at 0. Throws std::invalid_argument for an accelerometer, which AccelerometerSimulation has.
+  /// Precondition: Validate of `loop` and of `imperfections` is empty; `mass` is finite.
+  LoopSimulation(const LoopParameters& loop, double mass, const Imperfections& imperfections = {});
 
   /// As after a long rest of the estimator at `position`, but with `velocity`; no force acts or is on its
   /// way.

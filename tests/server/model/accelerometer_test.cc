@@ -12,13 +12,17 @@
 #include <iostream>
 #include <numbers>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <unsupported/Eigen/MatrixFunctions>
 #include <vector>
 
 #include "server/model/accelerometer_simulation.h"
+#include "server/model/linear_estimator.h"
+#include "server/model/loop_simulation.h"
 #include "server/model/low_pass.h"
 #include "server/model/m_width.h"
+#include "server/model/margins.h"
 #include "tests/server/model/model_loops.h"
 
 namespace mwidth::model {
@@ -269,6 +273,14 @@ TEST(Accelerometer, IsRefusedWithoutABandwidthAndByName) {
   }
   loop.estimator = EstimatorKind::kKalman;
   EXPECT_FALSE(Validate(loop).has_value());
+}
+
+TEST(Accelerometer, IsRefusedByWhatNeedsPositions) {
+  const LoopParameters loop = TableTwoSensed(EstimatorKind::kFilteredAccelerometer, 100);
+  EXPECT_FALSE(Runs(loop.estimator, loop.period_s, loop.cutoff_hz));
+  EXPECT_THROW(EstimatorOf(loop), std::invalid_argument);
+  EXPECT_THROW(LoopSimulation(loop, 0.1), std::invalid_argument);
+  EXPECT_THROW(ComputeMargins(loop, 0.1), std::invalid_argument);
 }
 
 }  // namespace
