@@ -8,21 +8,27 @@ namespace {
 
 bool Noisy(const client::Refusal& refusal) { return refusal.reason == "NOISY_MASS"; }
 
-// The four ways in which a mass can be inadmissible.
+// The ways in which a mass can be inadmissible: noisy, unstable, or too near to it, for the nominal loop or
+// for another.
 std::string WhyRefused(const client::Refusal& refusal) {
   const auto& report = refusal.stability;
-  const auto required = report.m_width().required_gain_margin_db();
+  const auto required_db = report.m_width().required_gain_margin_db();
+  const auto least_db = report.margins().gain_db();
   if (Noisy(refusal)) {
     return "would be stable, but make the force noisier than the axis allows";
   }
   if (report.gain_margin_db() < 0) {
     return "would make the loop unstable";
   }
-  if (report.gain_margin_db() < required) {
-    return "would leave a gain margin of " + Rounded(report.gain_margin_db(), 3) + " dB, and " +
-           Rounded(required, 3) + " dB are required";
+  if (least_db < 0) {
+    return "would not be stable for every hand and device that the axis allows for";
   }
-  return "would not be stable for every hand and device that the axis allows for";
+  if (least_db < required_db) {
+    return "would leave a gain margin of " + Rounded(least_db, 3) + " dB, and " + Rounded(required_db, 3) +
+           " dB are required";
+  }
+  return "is not proved to leave a gain margin of " + Rounded(required_db, 3) +
+         " dB for every hand and device that the axis allows for";
 }
 
 // The edge that binds, or the noise: the server's sentence.

@@ -80,27 +80,29 @@ Assumptions AssumptionsOf(const v1::AxisInfo& axis) {
 std::string AssumptionsText(const Assumptions& assumptions, const v1::LoopParameters& loop,
                             const Units& units) {
   std::vector<std::string> parts;
-  const auto add = [&](const std::string& name, bool set, const v1::ParameterRange& range, const Unit& unit) {
-    if (set) {
-      parts.push_back(name + " " + Rounded(range.min()) + " to " + Quantity(range.max(), unit));
+  const auto add = [&](const std::string& name, bool set, const v1::ParameterRange& range, double own,
+                       const Unit& unit) {
+    if (set && (range.min() != own || range.max() != own)) {
+      const auto from = range.min() == range.max() ? "" : Rounded(range.min()) + " to ";
+      parts.push_back(name + " " + from + Quantity(range.max(), unit));
     }
   };
   if (const auto& hand = assumptions.envelope) {
-    add("hand stiffness", hand->has_stiffness(), hand->stiffness(), units.stiffness);
-    add("hand damping", hand->has_damping(), hand->damping(), units.damping);
-    add("hand mass", hand->has_mass(), hand->mass(), units.mass);
+    add("hand stiffness", hand->has_stiffness(), hand->stiffness(), loop.hand_stiffness(), units.stiffness);
+    add("hand damping", hand->has_damping(), hand->damping(), loop.hand_damping(), units.damping);
+    add("hand mass", hand->has_mass(), hand->mass(), loop.hand_mass(), units.mass);
     if (hand->include_released_hand()) {
       parts.emplace_back("a released hand");
     }
   }
   if (const auto& device = assumptions.tolerance) {
-    add("device mass", device->has_mass(), device->mass(), units.mass);
-    add("device damping", device->has_damping(), device->damping(), units.damping);
+    add("device mass", device->has_mass(), device->mass(), loop.device_mass(), units.mass);
+    add("device damping", device->has_damping(), device->damping(), loop.device_damping(), units.damping);
   }
   if (loop.delay_s() > 0) {
     parts.push_back("delay 0 to " + Rounded(kMsPerS * loop.delay_s()) + " ms");
   }
-  return Join(parts, "this loop alone");
+  return Join(parts, kThisLoopAlone);
 }
 
 std::string BindingText(const v1::LoopParameters& binding, const v1::LoopParameters& loop,

@@ -31,8 +31,10 @@ struct Assumptions {
 /// The axis's own.
 Assumptions AssumptionsOf(const v1::AxisInfo& axis);
 
-/// "hand stiffness 100 to 2000 N/m, a released hand, delay 0 to 0.5 ms": what may differ from `loop`; "this
-/// loop alone" where nothing may.
+/// What an axis or a request assumes that allows for nothing else.
+inline constexpr const char* kThisLoopAlone = "this loop alone";
+/// "hand stiffness 100 to 2000 N/m, a released hand, delay 0 to 0.5 ms": what may differ from `loop`;
+/// kThisLoopAlone where nothing may.
 std::string AssumptionsText(const Assumptions& assumptions, const v1::LoopParameters& loop,
                             const Units& units);
 

@@ -75,12 +75,12 @@ void AppendEdges(const v1::GetMWidthResponse& response, const std::string& robus
     out << "\nAt its nominal edges the loop oscillates at " << Rounded(m_width.min_critical_hz())
         << " Hz (lower) and " << Rounded(m_width.max_critical_hz()) << " Hz (upper).\n";
   }
-  out << "Robust for " << robust_for << ".\n";
-  if (m_width.has_min_binding() && m_width.has_max_binding()) {
+  out << "Robust means stable for " << robust_for << ".\n";
+  if (robust_for != kThisLoopAlone && m_width.has_min_binding() && m_width.has_max_binding()) {
     const auto lower = BindingText(m_width.min_binding(), loop, units);
     const auto upper = BindingText(m_width.max_binding(), loop, units);
-    out << "Its edges are set by " << lower << (lower == upper ? "" : " (lower) and " + upper + " (upper)")
-        << ".\n";
+    out << "The robust edges are set by " << lower
+        << (lower == upper ? "" : " (lower) and " + upper + " (upper)") << ".\n";
   }
   out << "Admitted masses keep a gain margin of " << Rounded(m_width.required_gain_margin_db()) << " dB.\n";
 }

@@ -9,7 +9,7 @@ import threading
 import time
 import unittest
 
-from server_process import ServerProcess, grpc, rendering, seconds
+from server_process import BUILD, ServerProcess, grpc, rendering, seconds
 
 from google.rpc import error_details_pb2, status_pb2
 from mwidth.v1 import stability_pb2 as stability
@@ -201,6 +201,26 @@ class FilterTest(unittest.TestCase):
             self.assertEqual(server.state().info.loop.cutoff_hz, 10)
             server.start(lease)
             self.wait_for_mass(server, 1.5)
+
+    def test_the_command_line_changes_the_filter_unless_another_has_control(self):
+        def mwidth(*arguments):
+            return subprocess.run([BUILD / "bin" / "mwidth", "--server", server.address, *arguments],
+                                  capture_output=True, text=True, timeout=60)
+
+        with ServerProcess("--config", "paper") as server:
+            changed = mwidth("set-filter", "--estimator", "butterworth", "15")
+            self.assertEqual(changed.returncode, 0, changed.stderr)
+            loop = server.state().info.loop
+            self.assertEqual((loop.estimator, loop.cutoff_hz), (stability.ESTIMATOR_KIND_BUTTERWORTH, 15))
+            self.assertEqual(server.state().controller, "")
+            self.assertIn("butterworth, cut-off 15 Hz", mwidth("state").stdout)
+            self.assertEqual(mwidth("set-filter", "491").returncode, 1, "above 0.49 of the rate")
+            self.assertEqual(mwidth("set-filter", "30", "--validate-only").returncode, 0)
+            server.acquire(name="somebody")
+            held = mwidth("set-filter", "20")
+            self.assertEqual(held.returncode, 1)
+            self.assertIn("'somebody' has control", held.stderr)
+            self.assertEqual(server.state().info.loop.cutoff_hz, 15)
 
     def wait_for_mass(self, server, mass):
         for _ in range(500):

@@ -92,11 +92,21 @@ TEST(RefusalReportTest, UnitsFollowTheKindOfTheAxis) {
 TEST(RefusalReportTest, TellsAMarginTooSmallFromAnUnstableLoop) {
   auto refusal = Refused();
   refusal.stability.set_gain_margin_db(1.25);
+  refusal.stability.mutable_margins()->set_gain_db(1.25);
   EXPECT_THAT(RefusalReport(refusal, Axis(v1::AXIS_KIND_LINEAR)),
               HasSubstr("would leave a gain margin of 1.25 dB, and 3 dB are required"));
+}
+
+TEST(RefusalReportTest, TellsAnotherHandFromTheNominalOne) {
+  auto refusal = Refused();
   refusal.stability.set_gain_margin_db(5);
+  refusal.stability.mutable_margins()->set_gain_db(-1);
   EXPECT_THAT(RefusalReport(refusal, Axis(v1::AXIS_KIND_LINEAR)),
               HasSubstr("would not be stable for every hand and device"));
+  // The proof is up to 0.5 % short of the worst hand.
+  refusal.stability.mutable_margins()->set_gain_db(3.01);
+  EXPECT_THAT(RefusalReport(refusal, Axis(v1::AXIS_KIND_LINEAR)),
+              HasSubstr("is not proved to leave a gain margin of 3 dB for every hand and device"));
 }
 
 TEST(RefusalReportTest, ANoisyMassIsNotSaidToBeUnstable) {

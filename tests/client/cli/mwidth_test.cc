@@ -78,9 +78,11 @@ TEST_F(MwidthTest, MWidthTakesAnEnvelope) {
   EXPECT_FALSE(request.tolerance().has_damping());
   EXPECT_THAT(
       outcome.out,
-      AllOf(HasSubstr("Robust for hand stiffness 10 to 200 N m/rad, hand damping 0.1 to 2 N m s/rad, a "
-                      "released hand, device mass 0.04 to 0.06 kg m², delay 0 to 0.5 ms"),
-            HasSubstr("set by the nominal loop")));
+      AllOf(
+          HasSubstr(
+              "Robust means stable for hand stiffness 10 to 200 N m/rad, hand damping 0.1 to 2 N m s/rad, a "
+              "released hand, device mass 0.04 to 0.06 kg m², delay 0 to 0.5 ms"),
+          HasSubstr("set by the nominal loop")));
 }
 
 TEST_F(MwidthTest, AnEmptyMWidthIsAReasonAndNoNumber) {

@@ -42,8 +42,10 @@ TEST(MWidthReportTest, SaysWhatIsAssumedAndWhichLoopsSetTheEdges) {
   auto& m_width = *response.mutable_m_width();
   *m_width.mutable_min_binding() = loop;
   *m_width.mutable_max_binding() = loop;
-  EXPECT_THAT(MWidthReport(response, Axis(v1::AXIS_KIND_LINEAR), {}),
-              HasSubstr("Robust for delay 0 to 0.5 ms.\nIts edges are set by the nominal loop.\n"));
+  EXPECT_THAT(
+      MWidthReport(response, Axis(v1::AXIS_KIND_LINEAR), {}),
+      HasSubstr(
+          "Robust means stable for delay 0 to 0.5 ms.\nThe robust edges are set by the nominal loop.\n"));
 
   m_width.mutable_min_binding()->set_hand_stiffness(2000);
   m_width.mutable_max_binding()->set_hand_stiffness(0);
@@ -52,10 +54,10 @@ TEST(MWidthReportTest, SaysWhatIsAssumedAndWhichLoopsSetTheEdges) {
   envelope.mutable_stiffness()->set_min(100);
   envelope.mutable_stiffness()->set_max(2000);
   envelope.set_include_released_hand(true);
-  EXPECT_THAT(
-      MWidthReport(response, Axis(v1::AXIS_KIND_LINEAR), {.envelope = envelope}),
-      HasSubstr("Robust for hand stiffness 100 to 2000 N/m, a released hand, delay 0 to 0.5 ms.\nIts edges "
-                "are set by hand stiffness 2000 N/m (lower) and a released hand (upper).\n"));
+  EXPECT_THAT(MWidthReport(response, Axis(v1::AXIS_KIND_LINEAR), {.envelope = envelope}),
+              HasSubstr("Robust means stable for hand stiffness 100 to 2000 N/m, a released hand, delay 0 to "
+                        "0.5 ms.\nThe robust edges "
+                        "are set by hand stiffness 2000 N/m (lower) and a released hand (upper).\n"));
 }
 
 TEST(StateReportTest, ShowsTheFilterThatRunsAndWhatItIsRobustFor) {
@@ -67,6 +69,8 @@ TEST(StateReportTest, ShowsTheFilterThatRunsAndWhatItIsRobustFor) {
   EXPECT_THAT(StateReport(response), HasSubstr("robust for       this loop alone\n"));
   info.mutable_tolerance()->mutable_mass()->set_min(0.04);
   info.mutable_tolerance()->mutable_mass()->set_max(0.06);
+  // A range that holds nothing but the loop's own value says nothing.
+  info.mutable_envelope()->mutable_mass();
   const auto text = StateReport(response);
   EXPECT_THAT(text, HasSubstr("filter           butterworth, cut-off 25 Hz\n"));
   EXPECT_THAT(text, HasSubstr("robust for       device mass 0.04 to 0.06 kg m²\n"));
