@@ -13,12 +13,16 @@ struct DriveInfo {
   double force_quantum = 0;
   /// True where no motor can move: a simulation.
   bool simulated = false;
+  /// Width of the counter that position_counts comes from, 8 to 64: a counter of fewer than 64 bits wraps.
+  int position_bits = 64;
 };
 
 /// What a drive answers to a read.
 struct Reading {
   /// False when the drive did not answer with a fresh position; then position_counts means nothing.
   bool ok = false;
+  /// As the counter has it: the loop makes the counts continuous where the counter wraps (position_bits; the
+  /// bits above them do not count).
   int64_t position_counts = 0;
 };
 

@@ -1,6 +1,7 @@
 #include "server/axis.h"
 
 #include <chrono>
+#include <limits>
 #include <stdexcept>
 
 #include "device/hand_motion.h"
@@ -48,10 +49,12 @@ render::LoopConfig MakeLoopConfig(const AxisConfig& config) {
   loop.estimator = config.loop.estimator;
   loop.cutoff_hz = config.loop.cutoff_hz;
   loop.force_limit = config.limits.force;
+  loop.force_slew_limit = config.limits.force_slew.value_or(std::numeric_limits<double>::infinity());
   loop.position_min = config.limits.position_min;
   loop.position_max = config.limits.position_max;
   loop.velocity_limit = config.limits.velocity;
   loop.max_missed_ticks = static_cast<uint32_t>(config.limits.max_missed_ticks);
+  loop.watch = config.watch;
   loop.realtime.priority = config.realtime.priority;
   loop.realtime.cpu = config.realtime.cpu.value_or(-1);
   loop.realtime.allow_deep_idle = config.realtime.allow_deep_idle;

@@ -5,13 +5,13 @@
 #include <set>
 #include <sstream>
 
+#include "server/config_limits.h"
 #include "server/config_table.h"
 
 namespace mwidth::server {
 namespace {
 
 constexpr double kDefaultGainMarginDb = 3;
-constexpr int kDefaultMaxMissedTicks = 5;
 constexpr int kDefaultPriority = 80;
 constexpr int kDefaultMaxStreams = 64;
 constexpr int kDefaultStreamQueueSamples = 20'000;
@@ -101,23 +101,6 @@ std::optional<model::DeviceTolerance> ReadDeviceTolerance(ConfigTable& axis,
   return tolerance;
 }
 
-LimitsConfig ReadLimits(ConfigTable limits) {
-  const LimitsConfig read{
-      .mass_min = limits.Number("mass_min", {-kLargest, 0}),
-      .mass_max = limits.Number("mass_max", {0, kLargest}),
-      .force = limits.Number("force", {0, kLargest, true}),
-      .position_min = limits.Number("position_min", {-kLargest, kLargest}),
-      .position_max = limits.Number("position_max", {-kLargest, kLargest}),
-      .velocity = limits.Number("velocity", {0, kLargest, true}),
-      .max_missed_ticks = limits.IntegerOr("max_missed_ticks", {0, 16}, kDefaultMaxMissedTicks),
-  };
-  if (read.position_min >= read.position_max) {
-    limits.Refuse("position_max", "must be above position_min");
-  }
-  limits.Finish();
-  return read;
-}
-
 RealtimeConfig ReadRealtime(ConfigTable realtime, double period_s) {
   const RealtimeConfig read{
       .priority = realtime.IntegerOr("priority", {1, 98}, kDefaultPriority),
@@ -179,13 +162,18 @@ AxisConfig ReadAxis(ConfigTable axis, const std::filesystem::path& folder) {
   read.force_noise_limit = gate.OptionalNumber("force_noise_limit", {0, kLargest, true});
   gate.Finish();
 
-  read.limits = ReadLimits(axis.Table("limits"));
+  ConfigTable limits = axis.Table("limits");
+  read.limits = ReadLimits(limits);
   read.realtime = ReadRealtime(axis.Table("realtime"), read.loop.period_s);
   read.drive = ReadDrive(axis.Table("drive"), folder);
   // A force count crosses to the drive as 32 bits.
   if (read.limits.force / read.drive.force_quantum > 2e9) {
     axis.Table("drive").Refuse("force_quantum", "is too fine: limits.force must be at most 2e9 of it");
   }
+  if (read.limits.force_slew.value_or(HUGE_VAL) * read.loop.period_s < read.drive.force_quantum) {
+    limits.Refuse("force_slew", "is too small: it must be at least a force count (force_quantum) per period");
+  }
+  read.watch = ReadWatch(axis, read);
   axis.Finish();
   return read;
 }

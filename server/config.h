@@ -10,6 +10,7 @@
 #include "server/model/axis_kind.h"
 #include "server/model/envelope.h"
 #include "server/model/loop_parameters.h"
+#include "server/render/watch_config.h"
 
 namespace mwidth::server {
 
@@ -41,6 +42,8 @@ struct LimitsConfig {
   double mass_min = 0;
   double mass_max = 0;
   double force = 0;
+  /// Largest change of the force per second; none: any.
+  std::optional<double> force_slew;
   double position_min = 0;
   double position_max = 0;
   double velocity = 0;
@@ -69,6 +72,7 @@ struct AxisConfig {
   std::optional<model::HandEnvelope> hand_envelope;
   std::optional<model::DeviceTolerance> device_tolerance;
   LimitsConfig limits;
+  render::WatchConfig watch;
   RealtimeConfig realtime;
   DriveConfig drive;
 };

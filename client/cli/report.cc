@@ -44,6 +44,10 @@ void AppendAxis(const v1::AxisState& axis, Table& table) {
                          Quantity(axis.info().force_limit(), units.force) + ")");
   table.Row("tick", std::to_string(axis.tick()));
   table.Row("missed ticks", std::to_string(axis.missed_ticks()));
+  if (axis.saturated_ticks() + axis.slew_limited_ticks() > 0) {
+    table.Row("clamped ticks", std::to_string(axis.saturated_ticks()) + " by the force limit, " +
+                                   std::to_string(axis.slew_limited_ticks()) + " by its slew limit");
+  }
   table.Row("dropped samples", std::to_string(axis.dropped_samples()));
   table.Row("real time", std::string(axis.realtime() ? "yes" : "no") +
                              (axis.realtime_message().empty() ? "" : "; " + axis.realtime_message()));

@@ -20,6 +20,13 @@ enum class Fault : uint8_t {
   kVelocityLimit,
   kOverrun,
   kDriveRefused,
+  kForceSaturation,
+  kForceSlew,
+  kEncoderJump,
+  kEncoderFreeze,
+  kRepeatedOverrun,
+  kLoopDelay,
+  kPositionGaps,
 };
 
 /// Which estimator of acceleration a loop runs.
@@ -84,6 +91,9 @@ struct LoopStatus {
   /// What estimates the next acceleration.
   Filter filter{};
   uint64_t missed_ticks = 0;
+  /// Ticks since the start whose force the force limit, and the slew limit, clamped.
+  uint64_t saturated_ticks = 0;
+  uint64_t slew_limited_ticks = 0;
 };
 
 /// One tick. Force is the paper's F_a (eq. 5): it acts on the device against the positive direction.
@@ -93,7 +103,9 @@ struct Sample {
   int64_t position_counts = 0;
   int32_t force_counts = 0;
   State state = State::kIdle;
+  /// The force is not M a_hat: the force limit, or the limit on its change, clamped it.
   bool saturated = false;
+  bool slew_limited = false;
   /// The drive did not answer: position, velocity and acceleration are the last ones known.
   bool position_stale = false;
   /// Ticks skipped since the start, this one's predecessors included.

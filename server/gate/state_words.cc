@@ -43,8 +43,36 @@ std::string FaultMessage(const exchange::FaultRecord& fault) {
              " are allowed. Relieve the host or lengthen the period, then clear the fault.";
     case exchange::Fault::kDriveRefused:
       return "The drive could not be enabled. Check its power, its emergency circuit and its own fault "
-             "display, "
+             "display, then clear the fault.";
+    case exchange::Fault::kForceSaturation:
+      return "The force was cut at its limit for " + value + " s of the watched window, of which " + limit +
+             " s are allowed: the loop was not the one that was certified. Ask for a smaller mass or slower "
+             "motion, or raise the force limit, then clear the fault.";
+    case exchange::Fault::kForceSlew:
+      return "The force was to change faster than its limit for " + value +
+             " s of the watched window, of which " + limit +
+             " s are allowed: the loop was not the one that was certified. Ask for a smaller mass or a lower "
+             "cut-off frequency, or raise force_slew, then clear the fault.";
+    case exchange::Fault::kEncoderJump:
+      return "The encoder jumped: its counts demand an acceleration of at least " + value + ", above " +
+             limit + ". Check the encoder, its cable and its coupling, then clear the fault.";
+    case exchange::Fault::kEncoderFreeze:
+      return "The encoder froze: its counts stopped dead from a velocity of " + value +
+             ", where nothing above " + limit +
+             " can, and have not changed since. Move the device by hand and check that its position follows, "
              "then clear the fault.";
+    case exchange::Fault::kRepeatedOverrun:
+      return "In " + value + " ticks in a row the loop missed a deadline, of which " + limit +
+             " are allowed. Relieve the host or lengthen the period, then clear the fault.";
+    case exchange::Fault::kLoopDelay:
+      return "Again and again the force came too late after its position, at last by " + value +
+             " s, where the stability of the loop is certified for " + limit +
+             " s. Relieve the host or the drive's link, or certify the loop with a longer delay_s, then "
+             "clear "
+             "the fault.";
+    case exchange::Fault::kPositionGaps:
+      return "Positions or forces were missing for " + value + " s of the watched window, of which " + limit +
+             " s are allowed. Check the drive's cable and the load of the host, then clear the fault.";
   }
   return "An unknown fault. Restart the server.";
 }

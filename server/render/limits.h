@@ -18,6 +18,8 @@ struct ForceCommand {
   int32_t counts = 0;
   /// The wanted force was beyond the limit.
   bool saturated = false;
+  /// So was its change since the force before.
+  bool slew_limited = false;
 };
 
 /// The largest count whose force is within `force_limit` and within the drive's integers. Rt.
@@ -37,6 +39,25 @@ inline ForceCommand LimitForce(double force, double force_quantum, int32_t large
   const double largest = largest_counts;
   return {.counts = static_cast<int32_t>(std::clamp(wanted, -largest, largest)),
           .saturated = std::abs(wanted) > largest};
+}
+
+/// The largest change in counts, from one force to the next, that is within `slew_limit` (N/s or N m/s) in
+/// one period; at most the full span, which is no limit. Rt.
+inline int64_t LargestStepCounts(double slew_limit, double period_s, double force_quantum,
+                                 int32_t largest_counts) noexcept {
+  const double step = std::floor(slew_limit * period_s / force_quantum * (1 + 1e-12));
+  return static_cast<int64_t>(std::min(step, 2.0 * largest_counts));
+}
+
+/// `wanted`, but no further than `largest_step` from the force that acts, `acting_counts`. Where both are
+/// within the force limit, so is what comes out. Rt.
+inline ForceCommand LimitStep(const ForceCommand& wanted, int32_t acting_counts,
+                              int64_t largest_step) noexcept {
+  const int64_t step = int64_t{wanted.counts} - acting_counts;
+  const int64_t taken = std::clamp(step, -largest_step, largest_step);
+  return {.counts = static_cast<int32_t>(acting_counts + taken),
+          .saturated = wanted.saturated,
+          .slew_limited = taken != step};
 }
 
 }  // namespace mwidth::render

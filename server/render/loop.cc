@@ -2,41 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
-#include <string>
 
 namespace mwidth::render {
-namespace {
-
-void Require(bool allowed, const char* field, double value, const char* what_is_allowed) {
-  if (!allowed) {
-    throw std::invalid_argument(std::string(field) + " is " + std::to_string(value) + ", allowed is " +
-                                what_is_allowed);
-  }
-}
-
-// Written so that a NaN is never allowed.
-const LoopConfig& Checked(const LoopConfig& c, const device::DriveInfo& info) {
-  Require(c.period_s >= 1e-4 && c.period_s <= 1e-2, "period_s", c.period_s, "0.0001 to 0.01");
-  Require(model::Runs(c.estimator, c.period_s, c.cutoff_hz), "cutoff_hz", c.cutoff_hz,
-          "what the estimator runs with: above 0, at most half the sample rate, for butterworth 0.49 of it");
-  Require(c.force_limit > 0 && std::isfinite(c.force_limit), "force_limit", c.force_limit, "above 0");
-  Require(std::isfinite(c.position_min), "position_min", c.position_min, "any number");
-  Require(std::isfinite(c.position_max) && c.position_max > c.position_min, "position_max", c.position_max,
-          "above position_min");
-  Require(c.velocity_limit > 0 && std::isfinite(c.velocity_limit), "velocity_limit", c.velocity_limit,
-          "above 0");
-  Require(c.max_missed_ticks <= 16, "max_missed_ticks", c.max_missed_ticks, "0 to 16");
-  Require(c.fault_ramp_s >= 0 && c.fault_ramp_s <= 0.05, "fault_ramp_s", c.fault_ramp_s, "0 to 0.05");
-  Require(c.realtime.priority >= 0 && c.realtime.priority <= 99, "priority", c.realtime.priority, "0 to 99");
-  Require(info.position_quantum > 0 && std::isfinite(info.position_quantum), "the drive's position_quantum",
-          info.position_quantum, "above 0");
-  Require(info.force_quantum > 0 && std::isfinite(info.force_quantum), "the drive's force_quantum",
-          info.force_quantum, "above 0");
-  return c;
-}
-
-}  // namespace
 
 Loop::Loop(device::Drive& drive, exchange::Crossing& crossing, exchange::Clock& clock,
            const LoopConfig& config)
@@ -96,6 +63,7 @@ void Loop::Run() noexcept {
 
 void Loop::RecordTimes(int64_t now_ns, int64_t wake_latency_ns, uint64_t missed_ticks) noexcept {
   const DriveTimes drive = drive_.TakeTimes();
+  tick_.ReportLoopDelay(drive.loop_delay_ns);
   statistics_.Record({.wake_latency_ns = wake_latency_ns,
                       .io_ns = drive.io_ns,
                       .compute_ns = clock_.NowNs() - now_ns - drive.io_ns,

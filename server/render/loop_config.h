@@ -2,8 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
+#include "device/drive.h"
 #include "server/model/estimator_kind.h"
+#include "server/render/watch_config.h"
 
 namespace mwidth::render {
 
@@ -30,6 +33,9 @@ struct LoopConfig {
 
   /// Largest force that is ever commanded, either sign; above 0.
   double force_limit = 0;
+  /// Largest change of the commanded force per second, at least a force count per period; infinite: any. On
+  /// its way to zero at the end of a rendering the force obeys it too, but is zero where the mass is.
+  double force_slew_limit = std::numeric_limits<double>::infinity();
   /// Where rendering is allowed; a position outside is a fault.
   double position_min = 0;
   double position_max = 0;
@@ -41,7 +47,12 @@ struct LoopConfig {
   /// How long a fault that leaves the estimate sound takes to bring the mass to zero, 0 to 0.05 s.
   double fault_ramp_s = 0.05;
 
+  WatchConfig watch;
   RealtimeConfig realtime;
 };
+
+/// `config`, if it can run with a drive of these properties. Throws std::invalid_argument, with the field and
+/// what is allowed, where it is out of range.
+const LoopConfig& Checked(const LoopConfig& config, const device::DriveInfo& drive);
 
 }  // namespace mwidth::render

@@ -3,18 +3,54 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/render/motion_limits.h"
+
 namespace mwidth::render {
 
 using exchange::Fault;
 using exchange::Settings;
 using exchange::State;
 
+namespace {
+
+// Whether the mass may ramp to zero, because the acceleration that it multiplies is still true.
+bool LeavesEstimateSound(Fault fault) noexcept {
+  switch (fault) {
+    case Fault::kPositionLimit:
+    case Fault::kVelocityLimit:
+    case Fault::kForceSaturation:
+    case Fault::kForceSlew:
+    case Fault::kLoopDelay:
+    case Fault::kPositionGaps:
+      return true;
+    case Fault::kNone:
+    case Fault::kEmergencyStop:
+    case Fault::kDriveSilent:
+    case Fault::kNotFinite:
+    case Fault::kOverrun:
+    case Fault::kRepeatedOverrun:
+    case Fault::kDriveRefused:
+    case Fault::kEncoderJump:
+    case Fault::kEncoderFreeze:
+      return false;
+  }
+  return false;
+}
+
+}  // namespace
+
 Supervisor::Supervisor(const LoopConfig& config, const Settings& history, device::Drive& drive) noexcept
-    : config_(config), drive_(drive), mass_(config.period_s), epoch_seen_(history.render_epoch) {}
+    : config_(config),
+      drive_(drive),
+      mass_(config.period_s),
+      epoch_seen_(history.render_epoch),
+      drive_watch_(config),
+      encoder_watch_(config, drive.Info().position_quantum),
+      force_watch_(config),
+      timing_watch_(config) {}
 
 double Supervisor::Step(const Settings& settings, const Observation& seen) noexcept {
   tick_ = seen.tick;
-  missed_ticks_ = seen.missed_ticks;
   // Missed ticks belong to the ramp that was running: its end must not be late because the host was.
   mass_.Advance(seen.missed_ticks);
   cleared_fault_number_ = settings.cleared_fault_number;
@@ -68,6 +104,9 @@ void Supervisor::Begin(const Settings& settings, const exchange::Filter& running
   changing_filter_ = false;
   state_ = State::kRendering;
   render_epoch_ = settings.render_epoch;
+  drive_watch_.Begin();
+  force_watch_.Begin();
+  timing_watch_.Begin();
   Follow(settings, running);
 }
 
@@ -100,51 +139,45 @@ void Supervisor::Clear(uint64_t cleared_fault_number) noexcept {
 }
 
 void Supervisor::Watch(const Observation& seen) noexcept {
-  silent_ = !seen.fresh;
-  if (silent_) {
-    CountSilence();
+  drive_watch_.Read(seen.fresh, seen.missed_ticks);
+  timing_watch_.Wake(seen.missed_ticks, seen.loop_delay_ns);
+  force_watch_.Hold(seen.missed_ticks);
+  if (seen.fresh) {
+    encoder_watch_.Follow(seen.position_counts, seen.answer_periods);
   }
-  const bool force_possible = enabled_ && state_ != State::kReady;
-  if (force_possible && seen.missed_ticks > config_.max_missed_ticks) {
-    Trip(Fault::kOverrun, static_cast<double>(seen.missed_ticks), config_.max_missed_ticks);
+  // The cause before what follows from it: an encoder that jumps also leaves the limits.
+  if (enabled_) {
+    Judge(drive_watch_.JudgeSilence());
   }
-  if (state_ == State::kRendering) {
-    WatchMotion(seen);
+  if (enabled_ && state_ != State::kReady) {
+    Judge(timing_watch_.JudgeOverrun());
+    Judge(JudgeFinite(seen));
   }
-}
-
-void Supervisor::WatchMotion(const Observation& seen) noexcept {
-  for (const double value : {seen.position, seen.velocity, seen.acceleration}) {
-    if (!std::isfinite(value)) {
-      Trip(Fault::kNotFinite, value, 0);
-      return;
+  if (enabled_) {
+    Judge(encoder_watch_.Judge());
+  }
+  for (const Breach& breach : {JudgeLimits(seen, config_), force_watch_.Judge(), drive_watch_.JudgeGaps(),
+                               timing_watch_.JudgeDelay()}) {
+    if (state_ == State::kRendering) {
+      Judge(breach);
     }
   }
-  if (seen.position < config_.position_min) {
-    Trip(Fault::kPositionLimit, seen.position, config_.position_min);
-  } else if (seen.position > config_.position_max) {
-    Trip(Fault::kPositionLimit, seen.position, config_.position_max);
-  } else if (std::abs(seen.velocity) > config_.velocity_limit) {
-    Trip(Fault::kVelocityLimit, seen.velocity, config_.velocity_limit);
-  }
 }
 
-void Supervisor::CountSilence() noexcept {
-  // Ticks missed within a silence count as silent; those before it are the host's fault, not the drive's.
-  silent_ticks_ += silent_ticks_ == 0 ? 1 : 1 + missed_ticks_;
-  if (enabled_ && silent_ticks_ > kHeldTicks) {
-    Trip(Fault::kDriveSilent, static_cast<double>(silent_ticks_), kHeldTicks);
+void Supervisor::ReportForce(const ForceCommand& force) noexcept {
+  force_watch_.Follow(force);
+  if (state_ == State::kRendering) {
+    Judge(force_watch_.Judge());
   }
 }
 
 void Supervisor::ReportWrite(bool taken) noexcept {
-  if (silent_) {
-    return;  // Counted already.
+  drive_watch_.Wrote(taken);
+  if (enabled_) {
+    Judge(drive_watch_.JudgeSilence());
   }
-  if (taken) {
-    silent_ticks_ = 0;
-  } else {
-    CountSilence();
+  if (state_ == State::kRendering) {
+    Judge(drive_watch_.JudgeGaps());
   }
 }
 
@@ -162,13 +195,18 @@ void Supervisor::FinishRamp() noexcept {
   }
 }
 
+void Supervisor::Judge(const Breach& breach) noexcept {
+  if (breach.fault != Fault::kNone) {
+    Trip(breach.fault, breach.value, breach.limit);
+  }
+}
+
 void Supervisor::Trip(Fault fault, double value, double limit) noexcept {
-  const bool sound_estimate = fault == Fault::kPositionLimit || fault == Fault::kVelocityLimit;
-  if (sound_estimate) {
-    mass_.SetTarget(0, config_.fault_ramp_s);
-  } else {
+  if (!LeavesEstimateSound(fault)) {
     mass_.Cut();
     SwitchOff();
+  } else if (state_ != State::kFault) {
+    mass_.SetTarget(0, config_.fault_ramp_s);
   }
   // The first fault is the cause and stays, except that an emergency stop must be seen, and cleared, for
   // itself.

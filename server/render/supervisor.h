@@ -5,8 +5,14 @@
 
 #include "device/drive.h"
 #include "server/exchange/crossing.h"
+#include "server/render/breach.h"
+#include "server/render/drive_watch.h"
+#include "server/render/encoder_watch.h"
+#include "server/render/force_watch.h"
 #include "server/render/loop_config.h"
 #include "server/render/mass_ramp.h"
+#include "server/render/observation.h"
+#include "server/render/timing_watch.h"
 
 namespace mwidth::render {
 
@@ -17,35 +23,17 @@ inline constexpr double kEndRampS = 0.2;
 /// The least time of the ramp to zero before another filter takes over, and of the ramp back afterwards.
 inline constexpr double kFilterRampS = 0.2;
 
-/// Ticks without an answer of the drive over which the last estimate stands in for the missing one.
-inline constexpr uint64_t kHeldTicks = 2;
-
-/// What one tick knows before it decides.
-struct Observation {
-  uint64_t tick = 0;
-  int64_t monotonic_ns = 0;
-  /// Ticks skipped just before this one.
-  uint64_t missed_ticks = 0;
-  /// The drive answered; if not, the motion is the last one known.
-  bool fresh = false;
-  double position = 0;
-  double velocity = 0;
-  double acceleration = 0;
-  /// What the acceleration was estimated by.
-  exchange::Filter filter{};
-};
-
 /// The state machine of one axis, and the only one that switches its drive on and off. The loop's thread; all
 /// Rt.
 ///
 ///   IDLE       drive disabled. A start enables it.
 ///   READY      drive enabled, zero force. A silent drive is a fault: whether its force is zero cannot be
-///   known. RENDERING  the mass ramps to what is set. The only state that watches the motion: elsewhere there
-///   is no force
-///              that could make it unsafe, and the arm must be free to be moved back to where it may begin.
-///   FAULT      the mass ramps to zero where the estimate is still sound (position and velocity limits), and
-///   is cut
-///              at once where it is not; then the drive is disabled. Latched until cleared, and then IDLE.
+///              known; so is a broken encoder.
+///   RENDERING  the mass ramps to what is set. The only state that watches motion, force and timing:
+///              elsewhere there is no force that could make them unsafe, and the arm must be free to be moved
+///              back to where it may begin.
+///   FAULT      the mass ramps to zero where the estimate is still sound, and is cut at once where it is not;
+///              then the drive is disabled. Latched until cleared, and then IDLE.
 class Supervisor {
  public:
   /// `history` is what was set before the loop began: a start in it is not obeyed, or a loop that is made
@@ -54,6 +42,8 @@ class Supervisor {
 
   /// Obeys the settings, watches the motion, and returns the virtual mass of this tick.
   double Step(const exchange::Settings& settings, const Observation& seen) noexcept;
+  /// After Step: the force that came out of the mass, and what clamped it.
+  void ReportForce(const ForceCommand& force) noexcept;
   /// After Step: whether the drive took the force; true where none was sent.
   void ReportWrite(bool taken) noexcept;
   /// After Step: a force that is no number came out.
@@ -76,6 +66,7 @@ class Supervisor {
   /// The epoch that last began, and how many renderings ended.
   uint64_t render_epoch() const noexcept { return render_epoch_; }
   uint64_t renderings_ended() const noexcept { return renderings_ended_; }
+  const ForceWatch& force_watch() const noexcept { return force_watch_; }
 
  private:
   void Obey(const exchange::Settings& settings, const Observation& seen) noexcept;
@@ -84,9 +75,8 @@ class Supervisor {
   void Follow(const exchange::Settings& settings, const exchange::Filter& running) noexcept;
   void Clear(uint64_t cleared_fault_number) noexcept;
   void Watch(const Observation& seen) noexcept;
-  void WatchMotion(const Observation& seen) noexcept;
-  void CountSilence() noexcept;
   void FinishRamp() noexcept;
+  void Judge(const Breach& breach) noexcept;
   void Trip(exchange::Fault fault, double value, double limit) noexcept;
   void SwitchOff() noexcept;
 
@@ -106,9 +96,10 @@ class Supervisor {
   uint64_t renderings_ended_ = 0;
   uint64_t emergency_stops_seen_ = 0;
   uint64_t cleared_fault_number_ = 0;
-  uint64_t missed_ticks_ = 0;
-  uint64_t silent_ticks_ = 0;
-  bool silent_ = false;
+  DriveWatch drive_watch_;
+  EncoderWatch encoder_watch_;
+  ForceWatch force_watch_;
+  TimingWatch timing_watch_;
 };
 
 }  // namespace mwidth::render

@@ -21,12 +21,15 @@ Tick::Tick(const LoopConfig& config, device::Drive& drive, exchange::Crossing& c
       crossing_(crossing),
       info_(drive.Info()),
       largest_force_counts_(LargestForceCounts(config.force_limit, info_.force_quantum)),
+      largest_step_counts_(LargestStepCounts(config.force_slew_limit, config.period_s, info_.force_quantum,
+                                             largest_force_counts_)),
       configured_filter_{.estimator = static_cast<uint8_t>(config.estimator), .cutoff_hz = config.cutoff_hz},
       period_s_(config.period_s),
       settings_(TakeHistory(crossing)),
       filter_(configured_filter_),
       estimator_(config.period_s, config.cutoff_hz, config.estimator),
-      supervisor_(config, settings_, drive) {}
+      supervisor_(config, settings_, drive),
+      counter_(info_.position_bits) {}
 
 void Tick::TakeSettings() noexcept {
   crossing_.settings.Take(settings_);
@@ -47,10 +50,13 @@ void Tick::Run(uint64_t tick, int64_t now_ns, uint64_t missed_ticks) noexcept {
                                                    .monotonic_ns = now_ns,
                                                    .missed_ticks = missed_ticks,
                                                    .fresh = reading.ok,
+                                                   .position_counts = position_counts_,
+                                                   .answer_periods = answer_periods_,
                                                    .position = position_,
                                                    .velocity = estimator_.velocity(),
                                                    .acceleration = estimator_.acceleration(),
-                                                   .filter = filter_});
+                                                   .filter = filter_,
+                                                   .loop_delay_ns = loop_delay_ns_});
   Command(mass);
   PostSample(tick, now_ns, !reading.ok);
   FollowFilter();
@@ -58,11 +64,12 @@ void Tick::Run(uint64_t tick, int64_t now_ns, uint64_t missed_ticks) noexcept {
 }
 
 void Tick::Follow(uint64_t tick, int64_t position_counts) noexcept {
-  position_counts_ = position_counts;
-  position_ = PositionOf(position_counts, info_.position_quantum);
+  position_counts_ = counter_.Follow(position_counts);
+  position_ = PositionOf(position_counts_, info_.position_quantum);
   // Missed and silent ticks are one gap to the estimator, which bridges it: a held position would read as a
   // jump.
-  estimator_.Update(position_, tick - answered_tick_);
+  answer_periods_ = tick - answered_tick_;
+  estimator_.Update(position_, answer_periods_);
   answered_tick_ = tick;
 }
 
@@ -84,14 +91,20 @@ ForceCommand Tick::ForceAt(double mass) noexcept {
     supervisor_.ReportNotFinite(force);
     return {};
   }
-  return LimitForce(force, info_.force_quantum, largest_force_counts_);
+  return LimitStep(LimitForce(force, info_.force_quantum, largest_force_counts_), acting_counts_,
+                   largest_step_counts_);
 }
 
 void Tick::Command(double mass) noexcept {
   force_ = ForceAt(mass);
-  supervisor_.ReportWrite(!supervisor_.drive_enabled() || drive_.Write(force_.counts));
+  supervisor_.ReportForce(force_);
+  const bool taken = !supervisor_.drive_enabled() || drive_.Write(force_.counts);
+  supervisor_.ReportWrite(taken);
   if (!supervisor_.drive_enabled()) {
     force_ = {};  // The last answer that was missing came in this tick, and the force was taken away again.
+    acting_counts_ = 0;
+  } else if (taken) {
+    acting_counts_ = force_.counts;
   }
 }
 
@@ -102,6 +115,7 @@ void Tick::PostSample(uint64_t tick, int64_t now_ns, bool stale) noexcept {
                           .force_counts = force_.counts,
                           .state = supervisor_.state(),
                           .saturated = force_.saturated,
+                          .slew_limited = force_.slew_limited,
                           .position_stale = stale,
                           .missed_ticks = missed_ticks_,
                           .position = position_,
@@ -128,7 +142,9 @@ void Tick::PostStatus(uint64_t tick, int64_t now_ns) noexcept {
                          .mass = supervisor_.mass(),
                          .target_mass = supervisor_.target_mass(),
                          .filter = filter_,
-                         .missed_ticks = missed_ticks_});
+                         .missed_ticks = missed_ticks_,
+                         .saturated_ticks = supervisor_.force_watch().saturated_ticks(),
+                         .slew_limited_ticks = supervisor_.force_watch().slew_limited_ticks()});
 }
 
 void Tick::Close() noexcept {

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "device/drive.h"
 #include "server/exchange/crossing.h"
 #include "server/model/estimator.h"
+#include "server/render/counter.h"
 #include "server/render/limits.h"
 #include "server/render/loop_config.h"
 #include "server/render/supervisor.h"
@@ -27,6 +29,10 @@ class Tick {
   /// Runs tick number `tick`, at `now_ns`, after `missed_ticks` were skipped (so it is that many plus one
   /// above the last).
   void Run(uint64_t tick, int64_t now_ns, uint64_t missed_ticks) noexcept;
+
+  /// After Run: what it took from the position to the force, where both were exchanged. The next tick judges
+  /// it.
+  void ReportLoopDelay(std::optional<int64_t> loop_delay_ns) noexcept { loop_delay_ns_ = loop_delay_ns; }
 
   /// From now on nothing begins, and what is rendered ramps to zero.
   void BeginStop() noexcept { supervisor_.BeginStop(); }
@@ -50,6 +56,7 @@ class Tick {
   exchange::Crossing& crossing_;
   const device::DriveInfo info_;
   const int32_t largest_force_counts_;
+  const int64_t largest_step_counts_;
   const exchange::Filter configured_filter_;
   const double period_s_;
   exchange::Settings settings_;
@@ -57,9 +64,14 @@ class Tick {
   model::AccelerationEstimator estimator_;
   Supervisor supervisor_;
   ForceCommand force_;
+  // The last force that the drive took.
+  int32_t acting_counts_ = 0;
+  Counter counter_;
   int64_t position_counts_ = 0;
   double position_ = 0;
   uint64_t answered_tick_ = 0;
+  uint64_t answer_periods_ = 1;
+  std::optional<int64_t> loop_delay_ns_;
   uint64_t missed_ticks_ = 0;
   uint64_t last_tick_ = 0;
   int64_t last_ns_ = 0;

@@ -30,6 +30,20 @@ v1::FaultKind Kind(exchange::Fault fault) {
       return v1::FAULT_KIND_OVERRUN;
     case exchange::Fault::kDriveRefused:
       return v1::FAULT_KIND_DRIVE_REFUSED;
+    case exchange::Fault::kForceSaturation:
+      return v1::FAULT_KIND_FORCE_SATURATION;
+    case exchange::Fault::kForceSlew:
+      return v1::FAULT_KIND_FORCE_SLEW;
+    case exchange::Fault::kEncoderJump:
+      return v1::FAULT_KIND_ENCODER_JUMP;
+    case exchange::Fault::kEncoderFreeze:
+      return v1::FAULT_KIND_ENCODER_FREEZE;
+    case exchange::Fault::kRepeatedOverrun:
+      return v1::FAULT_KIND_REPEATED_OVERRUN;
+    case exchange::Fault::kLoopDelay:
+      return v1::FAULT_KIND_LOOP_DELAY;
+    case exchange::Fault::kPositionGaps:
+      return v1::FAULT_KIND_POSITION_GAPS;
   }
   return v1::FAULT_KIND_UNSPECIFIED;
 }

@@ -36,6 +36,8 @@ void Describe(AxisGate& gate, v1::AxisState& message) {
   message.set_mass(status.mass);
   message.set_target_mass(status.target_mass);
   message.set_missed_ticks(status.missed_ticks);
+  message.set_saturated_ticks(status.saturated_ticks);
+  message.set_slew_limited_ticks(status.slew_limited_ticks);
   message.set_dropped_samples(gate.dropped_samples());
   message.set_controller(gate.Controller());
   message.set_realtime(axis.realtime);

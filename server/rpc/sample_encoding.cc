@@ -32,7 +32,7 @@ void Append(const exchange::Sample& sample, v1::SampleBatch& columns) {
   columns.add_force(sample.force);
   columns.add_mass(sample.mass);
   columns.add_state(Convert(sample.state));
-  columns.add_saturated(sample.saturated);
+  columns.add_saturated(sample.saturated || sample.slew_limited);
   columns.add_position_counts(sample.position_counts);
   columns.add_force_counts(sample.force_counts);
   columns.add_position_stale(sample.position_stale);

@@ -41,6 +41,9 @@ render::LoopConfig LoopOf(const gate::AxisDescription& joint, const render::Real
   loop.position_max = 10;
   loop.velocity_limit = 1000;
   loop.max_missed_ticks = 16;
+  loop.watch.delay_limit_s = loop.period_s;
+  loop.watch.acceleration_limit = loop.velocity_limit / loop.period_s;
+  loop.watch.freeze_velocity = 1;
   loop.realtime = realtime;
   return loop;
 }

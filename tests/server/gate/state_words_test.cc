@@ -23,12 +23,14 @@ TEST(StateWords, SayForEveryFaultWhatToDo) {
   std::set<std::string> messages;
   for (const Fault fault :
        {Fault::kEmergencyStop, Fault::kDriveSilent, Fault::kNotFinite, Fault::kPositionLimit,
-        Fault::kVelocityLimit, Fault::kOverrun, Fault::kDriveRefused}) {
+        Fault::kVelocityLimit, Fault::kOverrun, Fault::kDriveRefused, Fault::kForceSaturation,
+        Fault::kForceSlew, Fault::kEncoderJump, Fault::kEncoderFreeze, Fault::kRepeatedOverrun,
+        Fault::kLoopDelay, Fault::kPositionGaps}) {
     const std::string message = FaultMessage({.fault = fault, .number = 1});
     EXPECT_THAT(message, HasSubstr("then clear the fault."));
     messages.insert(message);
   }
-  EXPECT_EQ(messages.size(), 7U);
+  EXPECT_EQ(messages.size(), 14U);
   EXPECT_EQ(FaultMessage({}), "");
 }
 

@@ -22,6 +22,7 @@ inline LoopConfig TestConfig() {
           .velocity_limit = 5,
           .max_missed_ticks = 5,
           .fault_ramp_s = 0.05,
+          .watch = {.delay_limit_s = 1e-3, .acceleration_limit = 5000, .freeze_velocity = 0.1},
           .realtime = {.priority = 0, .cpu = -1}};
 }
 
@@ -59,6 +60,7 @@ class Axis {
     Post();
   }
   void SetPosition(double position) {
+    swinging_ = false;
     drive.position_counts = std::llround(position / drive.info.position_quantum);
   }
 
@@ -71,8 +73,17 @@ class Axis {
     crossing->samples.Pop(sample);
     return sample;
   }
+  /// The arm goes on as it was: an arm that swings does not stop dead.
   void RunTicks(int ticks) {
     for (int i = 0; i < ticks; ++i) {
+      swinging_ ? Swing() : Run();
+    }
+  }
+  /// Moves the arm smoothly to `position` in half a second, or until there is a fault.
+  void MoveTo(double position) {
+    const double from = static_cast<double>(drive.position_counts) * drive.info.position_quantum;
+    for (int i = 1; i <= 500 && (i == 1 || status.state != exchange::State::kFault); ++i) {
+      SetPosition(from + (position - from) * (1 - std::cos(std::numbers::pi * i / 500)) / 2);
       Run();
     }
   }
@@ -86,6 +97,7 @@ class Axis {
   /// One tick of a 2 Hz swing over 0.2 m, from rest: at most 1.3 m/s and 16 m/s^2.
   const exchange::Sample& Swing(uint64_t missed = 0) {
     SetPosition(SwingAt(tick + 1 + missed));
+    swinging_ = true;
     return Run(missed);
   }
   double SwingAt(uint64_t at_tick) const {
@@ -104,6 +116,7 @@ class Axis {
   int64_t now_ns = 1'000'000'000;
 
  private:
+  bool swinging_ = false;
   Tick tick_;
 };
 

@@ -5,11 +5,10 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
+#include <deque>
 #include <optional>
-#include <random>
 
-#include "tests/server/render/axis.h"
+#include "tests/server/render/random_axis.h"
 
 namespace mwidth::render {
 namespace {
@@ -25,40 +24,62 @@ constexpr int kHistories = 100'000;
 #endif
 constexpr int kTicks = 90;
 
-// Slow, so that a whole ramp of 0.2 s is 20 ticks, and that of a fault 5.
-LoopConfig SlowConfig() {
-  LoopConfig config = TestConfig();
-  config.period_s = 0.01;
-  return config;
-}
-
 constexpr uint64_t kFaultRampTicks = 5;
 
-// One axis under random commands and failures, and what an onlooker expects of it from the contract alone.
+// What was so in the last 40 ticks, and whether that is too much.
+class ExactWindow {
+ public:
+  explicit ExactWindow(std::size_t allowed_ticks) : allowed_ticks_(allowed_ticks) {}
+  void Clear() {
+    ticks_.clear();
+    spent_ = 0;
+  }
+  void Pass(uint64_t ticks, bool spent) {
+    for (; ticks > 0; --ticks) {
+      ticks_.push_back(spent);
+      spent_ += spent ? 1 : 0;
+      if (ticks_.size() > 40) {
+        spent_ -= ticks_.front() ? 1 : 0;
+        ticks_.pop_front();
+      }
+    }
+  }
+  bool Exceeded() const { return spent_ > allowed_ticks_; }
+
+ private:
+  std::size_t allowed_ticks_;
+  std::deque<bool> ticks_;
+  std::size_t spent_ = 0;
+};
+
+// What an onlooker expects of the axis, from the contract alone.
 class History {
  public:
-  explicit History(uint64_t seed) : axis_(SlowConfig()), random_(seed) {}
+  explicit History(uint64_t seed) : random_axis_(seed) {}
 
   // A crossing with a past, and a loop made anew on it: nothing of the past may begin by itself.
   void Renew() {
     tick_.emplace(axis_.config, axis_.drive, *axis_.crossing);
     axis_.drive.Disable();
-    axis_.drive.accepts_enable = axis_.drive.answers_reads = axis_.drive.takes_writes = true;
+    random_axis_.Repair();
     axis_.status = {};
     tick_number_ = 0;
     forfeited_epoch_ = axis_.settings.render_epoch;
     emergency_stops_obeyed_ = 0;
     silence_ = 0;
+    consecutive_overruns_ = 0;
     expired_ns_ = 0;
+    ClearWindows();
   }
 
   void Step() {
-    Disturb();
-    const uint64_t missed = Chance(0.02) ? random_() % 8 : 0;
+    const uint64_t missed = random_axis_.Disturb();
     before_ = axis_.status;
     const bool was_enabled = axis_.drive.enabled;
+    const int32_t acting_before = axis_.drive.acting_counts;
     tick_number_ += 1 + missed;
     axis_.now_ns += static_cast<int64_t>(1 + missed) * axis_.period_ns;
+    tick_->ReportLoopDelay(random_axis_.loop_delay_ns);
     tick_->Run(tick_number_, axis_.now_ns, missed);
     ASSERT_TRUE(axis_.crossing->status.Take(axis_.status));
     ASSERT_TRUE(axis_.crossing->samples.Pop(axis_.sample));
@@ -69,67 +90,28 @@ class History {
     CheckEmergencyStop();
     CheckLease();
     CheckSilence(was_enabled, missed);
+    CheckSlew(acting_before);
+    CheckOverruns(missed);
+    CheckWindows(missed);
     ++seen_states[static_cast<std::size_t>(axis_.status.state)];
     ++seen_faults[static_cast<std::size_t>(axis_.status.fault.fault)];
   }
 
   std::array<uint64_t, 4> seen_states{};
-  std::array<uint64_t, 8> seen_faults{};
+  std::array<uint64_t, 15> seen_faults{};
   uint64_t full_rampings = 0;
+  uint64_t rendered_with_another_filter = 0;
 
  private:
-  bool Chance(double probability) {
-    return std::uniform_real_distribution<double>(0, 1)(random_) < probability;
-  }
-  double Uniform(double low, double high) {
-    return std::uniform_real_distribution<double>(low, high)(random_);
-  }
-
-  void Disturb() {
-    auto& settings = axis_.settings;
-    if (Chance(0.06)) {
-      axis_.Start(Uniform(-0.5, 3), Chance(0.3) ? 0 : Uniform(0, 0.3));
-      settings.lease_deadline_ns = axis_.now_ns + (Chance(0.9) ? 600'000'000 : -1);
-      axis_.Post();  // The newest of several posts between two ticks wins.
-    }
-    if (Chance(0.05)) {
-      settings.mass = Chance(0.05) ? std::numeric_limits<double>::quiet_NaN() : Uniform(-0.5, 3);
-      settings.ramp_s = Chance(0.1) ? std::numeric_limits<double>::quiet_NaN() : Uniform(0, 0.3);
-      axis_.Post();
-    }
-    if (Chance(0.05)) {
-      settings.lease_deadline_ns = axis_.now_ns + (Chance(0.8) ? 600'000'000 : -1);
-      axis_.Post();
-    }
-    if (Chance(0.02)) {
-      settings.rendering = Chance(0.3);
-      axis_.Post();
-    }
-    if (Chance(0.005)) {
-      axis_.EmergencyStop();
-    }
-    if (Chance(0.1) && axis_.status.state == State::kFault) {
-      axis_.ClearFault();
-    }
-    DisturbDrive();
-  }
-
-  void DisturbDrive() {
-    auto& drive = axis_.drive;
-    drive.answers_reads = drive.answers_reads ? !Chance(0.02) : Chance(0.4);
-    drive.takes_writes = drive.takes_writes ? !Chance(0.01) : Chance(0.4);
-    drive.accepts_enable = !Chance(0.1);
-    angle_ += 0.1;
-    const double jump = Chance(0.003) ? 1.2 : 0;  // Beyond the limits of position or velocity.
-    axis_.SetPosition(0.1 * std::sin(angle_) + jump);
-  }
-
   // A force only while rendering, or within the ramp of a fault; within its limit; and no drive enabled
   // otherwise.
   void CheckForce() {
     const State state = axis_.status.state;
     if (state == State::kFault && before_.state != State::kFault) {
       latched_tick_ = tick_number_;
+    }
+    if (axis_.sample.mass == 0) {
+      ASSERT_EQ(axis_.sample.force_counts, 0);
     }
     const bool in_fault_ramp = state == State::kFault && tick_number_ < latched_tick_ + kFaultRampTicks;
     if (state != State::kRendering && !in_fault_ramp) {
@@ -172,19 +154,30 @@ class History {
     ASSERT_EQ(ended, rendered && axis_.status.state != State::kRendering);
   }
 
-  // The mass lies between zero and the masses that were set since rendering began, and moves towards its
-  // target.
+  // The mass lies between zero and the masses that were set since rendering began, and within what is
+  // admitted for the filter that runs, also on every ramp and every change of the filter.
   void CheckMass() {
     if (before_.state != State::kRendering && before_.state != State::kFault) {
       lowest_mass_ = highest_mass_ = 0;
     }
-    if (std::isfinite(axis_.settings.mass) && axis_.status.target_mass == axis_.settings.mass) {
+    // A tick may still set out for a mass and then find a reason to end.
+    const bool ended = axis_.status.renderings_ended != before_.renderings_ended;
+    if (std::isfinite(axis_.settings.mass) && (ended || axis_.status.target_mass == axis_.settings.mass)) {
       lowest_mass_ = std::min(lowest_mass_, axis_.settings.mass);
       highest_mass_ = std::max(highest_mass_, axis_.settings.mass);
     }
     ASSERT_TRUE(std::isfinite(axis_.sample.mass));
     ASSERT_GE(axis_.sample.mass, lowest_mass_);
     ASSERT_LE(axis_.sample.mass, highest_mass_);
+    const auto* admitted =
+        std::find_if(kAdmittedFilters.begin(), kAdmittedFilters.end(),
+                     [this](const AdmittedFilter& each) { return each.filter == axis_.sample.filter; });
+    ASSERT_NE(admitted, kAdmittedFilters.end());
+    ASSERT_GE(axis_.sample.mass, admitted->min_mass);
+    ASSERT_LE(axis_.sample.mass, admitted->max_mass);
+    if (axis_.sample.mass != 0 && admitted != kAdmittedFilters.begin()) {
+      ++rendered_with_another_filter;
+    }
     if (axis_.sample.mass != 0 && axis_.sample.mass == axis_.settings.mass) {
       ++full_rampings;
     }
@@ -238,10 +231,55 @@ class History {
     }
   }
 
-  Axis axis_;
+  // The force changes no faster than its limit, except to zero where the mass is.
+  void CheckSlew(int32_t acting_before) {
+    if (axis_.sample.mass != 0) {
+      const double step =
+          std::abs(axis_.sample.force_counts - acting_before) * axis_.drive.info.force_quantum;
+      ASSERT_LE(step, axis_.config.force_slew_limit * axis_.config.period_s + 1e-9);
+    }
+  }
+
+  // Three ticks in a row may miss deadlines, and five deadlines at once.
+  void CheckOverruns(uint64_t missed) {
+    consecutive_overruns_ = missed > 0 ? consecutive_overruns_ + 1 : 0;
+    if (consecutive_overruns_ > 3 || missed > 5) {
+      ASSERT_NE(axis_.status.state, State::kRendering);
+      ASSERT_EQ(axis_.drive.acting_counts, 0);
+    }
+  }
+
+  // What was too much has ended the rendering.
+  void CheckWindows(uint64_t missed) {
+    if (axis_.status.state != State::kRendering) {
+      ClearWindows();
+      return;
+    }
+    if (before_.state == State::kRendering) {
+      gaps_.Pass(missed, true);
+      late_.Pass(missed + 1, random_axis_.loop_delay_ns > 1'000'000);
+      saturation_.Pass(missed, last_.saturated);
+      slew_.Pass(missed, last_.slew_limited);
+    }
+    last_ = axis_.sample;
+    gaps_.Pass(1, !axis_.drive.answers_reads || !axis_.drive.takes_writes);
+    saturation_.Pass(1, axis_.sample.saturated);
+    slew_.Pass(1, axis_.sample.slew_limited);
+    for (const ExactWindow* window : {&saturation_, &slew_, &gaps_, &late_}) {
+      ASSERT_FALSE(window->Exceeded());
+    }
+  }
+  void ClearWindows() {
+    for (ExactWindow* window : {&saturation_, &slew_, &gaps_, &late_}) {
+      window->Clear();
+    }
+  }
+
+  RandomAxis random_axis_;
+  Axis& axis_ = random_axis_.axis;
   std::optional<Tick> tick_;
-  std::mt19937_64 random_;
   LoopStatus before_;
+  exchange::Sample last_;
   uint64_t tick_number_ = 0;
   uint64_t forfeited_epoch_ = 0;
   uint64_t emergency_stops_obeyed_ = 0;
@@ -250,7 +288,11 @@ class History {
   int64_t expired_ns_ = 0;
   double lowest_mass_ = 0;
   double highest_mass_ = 0;
-  double angle_ = 0;
+  uint64_t consecutive_overruns_ = 0;
+  ExactWindow saturation_{10};
+  ExactWindow slew_{10};
+  ExactWindow gaps_{15};
+  ExactWindow late_{10};
 };
 
 TEST(SupervisorPropertyTest, HoldsItsPromisesInEveryTickOfManyRandomHistories) {
@@ -272,6 +314,7 @@ TEST(SupervisorPropertyTest, HoldsItsPromisesInEveryTickOfManyRandomHistories) {
     EXPECT_GT(count, kHistories / 100);
   }
   EXPECT_GT(history.full_rampings, kHistories);
+  EXPECT_GT(history.rendered_with_another_filter, kHistories);
 }
 
 }  // namespace

@@ -117,8 +117,7 @@ TEST(SupervisorSilenceTest, FaultsAtOnceWhereAStartFindsTheDriveSilent) {
 TEST(SupervisorSilenceTest, CutsTheRampOfAFaultWhenTheDriveFallsSilentInIt) {
   Axis axis;
   axis.RenderSwinging(kMass);
-  axis.SetPosition(1.001);
-  axis.Run();
+  axis.MoveTo(1.001);
   ASSERT_TRUE(axis.drive.enabled);
   axis.drive.answers_reads = false;
   axis.RunTicks(3);

@@ -144,6 +144,7 @@ TEST(SupervisorTest, RampsToZeroWithin500MsOfTheLeaseDeadlineAlsoWhereTicksAreMi
   for (const uint64_t missed : {uint64_t{0}, uint64_t{5}}) {
     LoopConfig config = TestConfig();
     config.period_s = 0.01;
+    config.watch.gap_s = 1;
     Axis axis(config);
     axis.RenderSwinging(kMass);
     axis.settings.lease_deadline_ns = axis.now_ns + 1;

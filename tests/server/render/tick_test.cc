@@ -91,6 +91,7 @@ TEST(TickTest, ClampsTheForceAndSaysSo) {
   LoopConfig config = TestConfig();
   config.force_limit =
       1.0005;  // Not a whole number of counts: the force must stay below, not round up to 1.001.
+  config.watch.saturation_s = 1;
   Axis axis(config);
   axis.RenderSwinging(0.5);
   bool saturated = false;
