@@ -1,5 +1,6 @@
 """Starting, ending and misusing the server as a person would."""
 
+import os
 import pathlib
 import signal
 import subprocess
@@ -54,6 +55,20 @@ class LifecycleTest(unittest.TestCase):
     def test_it_starts_without_rendering(self):
         with ServerProcess() as server:
             self.assertIn(server.state().state, (rendering.STATE_IDLE, rendering.STATE_READY))
+
+    def test_it_keeps_cpus_awake_only_where_it_is_asked_to(self):
+        text = (pathlib.Path(__file__).parents[2] / "deploy/config/paper.toml").read_text()
+        off, on = "keep_cpus_awake = false", "keep_cpus_awake = true"
+        self.assertIn(off, text)
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "host.toml"
+            for written, spinners in ((off, 0), (on, len(os.sched_getaffinity(0)))):
+                file.write_text(text.replace(off, written))
+                with ServerProcess("--config", file) as server:
+                    threads = map(int, os.listdir(f"/proc/{server.process.pid}/task"))
+                    idle = [thread for thread in threads if os.sched_getscheduler(thread) == os.SCHED_IDLE]
+                    self.assertEqual(len(idle), spinners)
+                    self.assertEqual({len(os.sched_getaffinity(thread)) for thread in idle}, {1} if idle else set())
 
     def test_wrong_usage_is_explained(self):
         self.assert_usage_error(run("--config", "no-such"), "no-such", "paper", "elbow")
