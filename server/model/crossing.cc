@@ -45,15 +45,7 @@ Crossings CrossingsOf(const CrossingEquation& equation, bool lossless, double mo
     crossings.found[1] = {.mass = -moving_mass, .half_sine_squared = 0};
     crossings.count = 2;
   }
-  if (!equation.IsQuadratic()) {
-    AddIsolatedCrossings(crossings, equation);
-    return crossings;
-  }
-  for (const double u : equation.QuadraticRoots()) {
-    if (u > 0 && u < 4) {
-      Add(crossings, equation, u / 4);
-    }
-  }
+  AddIsolatedCrossings(crossings, equation);
   return crossings;
 }
 

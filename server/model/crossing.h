@@ -14,11 +14,11 @@
 // so that M follows from either, and they agree where (q - u (1 - delta/2)) Y - delta X = 0: a polynomial in
 // u. A and B are products (estimator_factors.h): A of a gain, of powers of z, and of (z + 1)^2 = 4 c z; B of
 // factors of degree 1 and 2. Each turn of z joins a conj(B), so the degree stays low: 2 for the paper's
-// estimator (A = f, B = z (w + f)), which is solved in closed form, and one more for each tick, whole or
-// begun, of delay; 3 for Butterworth and Kalman. The roots in (0, 4) and the point z = -1, where sin(t) = 0
-// and one equation is enough, are all crossings there are; zeros of A at z = -1 put that one at an infinite
-// mass. Nothing is deflated numerically: a released hand has q = 0, a free mass without friction also delta =
-// 0, and the equations stay as they are.
+// estimator (A = f, B = z (w + f)), whose edges edge_crossing.h has in closed form, and one more for each
+// tick, whole or begun, of delay; 3 for Butterworth and Kalman. The roots in (0, 4) and the point z = -1,
+// where sin(t) = 0 and one equation is enough, are all crossings there are; zeros of A at z = -1 put that one
+// at an infinite mass. Nothing is deflated numerically: a released hand has q = 0, a free mass without
+// friction also delta = 0, and the equations stay as they are.
 //
 // An accelerometer (accelerometer.h) takes the same way, but has one zero at z = 1 only. Multiplied by
 // conj(w), as w conj(w) = u and z conj(w) = -w,

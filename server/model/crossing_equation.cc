@@ -88,18 +88,4 @@ int CrossingEquation::DisagreementForm(Form& form) const noexcept {
   return w.degree;
 }
 
-std::array<double, 2> CrossingEquation::QuadraticRoots() const noexcept {
-  const double q = plant_.static_gap;
-  const double delta = plant_.loss;
-  const double f = estimator_.poles[0].circle.at_c;
-  const double gamma = plant_.hold[1];
-  const double sum = plant_.hold[0] + gamma;
-  // Unless the sampling aliases the plant, all terms are positive.
-  const double first = sum + gamma * (f + q + delta);
-  const double zeroth = sum * (q + f * delta) + gamma * f * q;
-  const double discriminant = first * first - 4 * gamma * zeroth;
-  const double twice = first + std::copysign(std::sqrt(discriminant), first);
-  return {2 * zeroth / twice, twice / (2 * gamma)};
-}
-
 }  // namespace mwidth::model

@@ -82,14 +82,6 @@ class CrossingEquation {
   /// Coefficients of Disagreement as a form. Returns its degree.
   int DisagreementForm(Form& form) const noexcept;
 
-  /// The paper's estimator without delay.
-  bool IsQuadratic() const noexcept {
-    return factor_count_ == 1 && plant_.hold[2] == 0 && !senses_acceleration_;
-  }
-  /// Then Disagreement is -(Gamma u^2 - first u + zeroth), Gamma = hold[1]: closed form. Both values of u,
-  /// which may lie outside 0..4 or be NaN.
-  std::array<double, 2> QuadraticRoots() const noexcept;
-
  private:
   // Estimator's poles, whole ticks of delay, and two more where a numerator has them.
   static constexpr size_t kMaxFactors = EstimatorFactors::kMaxPoles + 5;

@@ -2,10 +2,10 @@
 
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "server/model/accelerometer.h"
 #include "server/model/crossing.h"
+#include "server/model/edge_crossing.h"
 #include "server/model/estimator.h"
 #include "server/model/plant.h"
 #include "server/model/unit_circle.h"
@@ -15,43 +15,44 @@ namespace {
 
 constexpr double kLowestCutoffHz = 0.1;
 
-Crossings CrossingsOf(const LoopParameters& loop, const SampledPlant& plant) noexcept {
+// None where not even M = 0 is stable.
+std::optional<EdgeCrossings> CrossingsAtTheEdges(const LoopParameters& loop) noexcept {
+  const SampledPlant plant = Discretize(loop);
+  if (plant.loss == 0 && loop.hand_stiffness > 0) {
+    return std::nullopt;
+  }
   const double moving_mass = loop.device_mass + loop.hand_mass;
   if (IsAccelerometer(loop.estimator)) {
     const SampledAcceleration acceleration = DiscretizeAcceleration(loop, plant);
-    return FindCrossings(plant, acceleration, AccelerometerFactors(loop, acceleration), moving_mass);
+    return NearestToZero(
+        FindCrossings(plant, acceleration, AccelerometerFactors(loop, acceleration), moving_mass));
   }
-  return FindCrossings(plant, FactorsOf(loop.estimator, loop.period_s, loop.cutoff_hz), moving_mass);
+  return FindEdgeCrossings(plant, FactorsOf(loop.estimator, loop.period_s, loop.cutoff_hz), moving_mass);
+}
+
+Edge EdgeAt(const Crossing& crossing, double period_s) noexcept {
+  return {.mass = crossing.mass, .critical_hz = FrequencyHz(crossing.half_sine_squared, period_s)};
 }
 
 }  // namespace
 
 MWidth ComputeMWidth(const LoopParameters& loop) {
   MWidth m_width;
-  const SampledPlant plant = Discretize(loop);
-  if (plant.loss == 0 && loop.hand_stiffness > 0) {
+  if (const auto crossings = CrossingsAtTheEdges(loop)) {
+    m_width.lower = EdgeAt(crossings->lower, loop.period_s);
+    m_width.upper = EdgeAt(crossings->upper, loop.period_s);
+  } else {
     m_width.empty_reason =
         "without damping (device_damping and hand_damping are 0) the hand's spring and the mass swing for "
-        "ever, "
-        "whatever mass is rendered";
-    return m_width;
+        "ever, whatever mass is rendered";
   }
-  // A rising mass, and a falling one, first meets the crossing nearest to 0 on its side. There is one on
-  // each: behind a hold the loop's numerator is below its denominator by one degree or more, whatever the
-  // estimator, so a large enough mass of either sign drives a root to infinity. An accelerometer that tells
-  // nothing, because damping leaves nothing to tell within a tick, has infinite edges.
-  Crossing lower{.mass = -std::numeric_limits<double>::infinity()};
-  Crossing upper{.mass = std::numeric_limits<double>::infinity()};
-  for (const Crossing& crossing : CrossingsOf(loop, plant)) {
-    if (crossing.mass > 0 && crossing.mass < upper.mass) {
-      upper = crossing;
-    } else if (crossing.mass < 0 && crossing.mass > lower.mass) {
-      lower = crossing;
-    }
-  }
-  m_width.lower = {.mass = lower.mass, .critical_hz = FrequencyHz(lower.half_sine_squared, loop.period_s)};
-  m_width.upper = {.mass = upper.mass, .critical_hz = FrequencyHz(upper.half_sine_squared, loop.period_s)};
   return m_width;
+}
+
+EdgeMasses ComputeEdgeMasses(const LoopParameters& loop) noexcept {
+  const auto crossings = CrossingsAtTheEdges(loop);
+  return crossings ? EdgeMasses{.lower = crossings->lower.mass, .upper = crossings->upper.mass}
+                   : EdgeMasses{};
 }
 
 double GainMargin(const MWidth& m_width, double mass) {
@@ -90,7 +91,7 @@ std::optional<double> HighestAdmittingCutoffHz(const LoopParameters& loop, doubl
   return HighestAdmittingCutoffHz(loop.cutoff_hz, [&](double cutoff_hz) {
     LoopParameters candidate = loop;
     candidate.cutoff_hz = cutoff_hz;
-    return ComputeMWidth(candidate).Contains(mass * gain_margin);
+    return ComputeEdgeMasses(candidate).Contain(mass * gain_margin);
   });
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -34,6 +35,19 @@ struct MWidth {
 /// Precondition: Validate(loop) is empty; a caller with unchecked input calls that first. Throws nothing and
 /// allocates nothing but the reason of an empty result. Any thread.
 MWidth ComputeMWidth(const LoopParameters& loop);
+
+/// Both edges of an M-width and nothing else; NaN where it is empty.
+struct EdgeMasses {
+  double lower = std::numeric_limits<double>::quiet_NaN();
+  double upper = std::numeric_limits<double>::quiet_NaN();
+
+  /// True when `mass` is strictly between them.
+  bool Contain(double mass) const noexcept { return lower < mass && mass < upper; }
+};
+
+/// The masses of ComputeMWidth, to the last bit, without its frequencies and its reason: for searches and
+/// grids, which ask for thousands. Precondition as above. Any thread. Rt.
+EdgeMasses ComputeEdgeMasses(const LoopParameters& loop) noexcept;
 
 /// Factor by which `mass` may grow before it leaves the M-width (eq. 15): above 1 stable, below 1 unstable,
 /// infinite at a mass of 0, 0 where the M-width is empty. Not in decibels.

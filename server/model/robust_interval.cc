@@ -129,6 +129,7 @@ RobustCertificate CertifyRobustInterval(const LoopEnvelope& envelope) {
     (sign == MassSign::kPositive ? certificate.upper : certificate.lower) =
         MakeEdge(envelope, hands[hand_of_box[worst.binding_box]], worst, sign);
     certificate.boxes += worst.boxes;
+    certificate.nominal_queries += worst.nominal_queries;
   }
   return certificate;
 }

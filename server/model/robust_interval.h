@@ -30,8 +30,10 @@ struct RobustCertificate {
   RobustEdge upper;
   /// Not empty where some loop of the envelope is not even stable at M = 0: then the edges mean nothing.
   std::string empty_reason;
-  /// Boxes of frequencies and plants that were bounded for the proof.
+  /// What the proof took: boxes of frequencies and plants that were bounded, and loops whose nominal edges
+  /// were computed.
   int boxes = 0;
+  int nominal_queries = 0;
 
   bool empty() const { return !empty_reason.empty(); }
   /// True when `mass` is strictly inside.

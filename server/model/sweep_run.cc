@@ -84,11 +84,9 @@ class Run {
     double& x = SweptField(loop, sweep_.x.parameter);
     for (std::size_t i = first; i < end; ++i) {
       x = x_[i];
-      const MWidth m_width = Validate(loop) ? MWidth{.lower = {}, .upper = {}, .empty_reason = "out of range"}
-                                            : ComputeMWidth(loop);
-      constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-      lower_[row * x_.size() + i] = m_width.empty() ? kNone : m_width.lower.mass;
-      upper_[row * x_.size() + i] = m_width.empty() ? kNone : m_width.upper.mass;
+      const EdgeMasses edges = Validate(loop) ? EdgeMasses{} : ComputeEdgeMasses(loop);
+      lower_[row * x_.size() + i] = edges.lower;
+      upper_[row * x_.size() + i] = edges.upper;
     }
   }
 

@@ -22,7 +22,9 @@ inline CirclePoint PointAt(double half_sine_squared) noexcept {
 
 /// The angle t, 0 to pi. Rt.
 inline double AngleAt(double half_sine_squared) noexcept {
-  return 2 * std::atan2(std::sqrt(half_sine_squared), std::sqrt(1 - half_sine_squared));
+  // The arc sine of what is small, sine or cosine: as exact as atan2 of both at a third of its cost.
+  return half_sine_squared <= 0.5 ? 2 * std::asin(std::sqrt(half_sine_squared))
+                                  : std::numbers::pi - 2 * std::asin(std::sqrt(1 - half_sine_squared));
 }
 
 /// The frequency of z = e^(jt) in Hz. Rt.

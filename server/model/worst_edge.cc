@@ -231,9 +231,11 @@ void Search::Try(LoopParameters plant, std::size_t index) {
   plant.period_s = sampling_.period_s;
   plant.cutoff_hz = sampling_.cutoff_hz;
   plant.estimator = sampling_.estimator;
-  const MWidth width = ComputeMWidth(plant);
-  const double size = std::abs(sign_ == MassSign::kPositive ? width.upper.mass : width.lower.mass);
-  if (!width.empty() && size < edge_.found) {
+  ++edge_.nominal_queries;
+  const EdgeMasses edges = ComputeEdgeMasses(plant);
+  const double size = sign_ == MassSign::kPositive ? edges.upper : -edges.lower;
+  // False where there is no edge.
+  if (size < edge_.found) {
     edge_.found = size;
     edge_.binding = plant;
     edge_.binding_box = index;

@@ -21,6 +21,8 @@ struct WorstEdge {
   std::size_t binding_box = 0;
   /// Boxes of frequencies and plants that were bounded.
   int boxes = 0;
+  /// Loops whose nominal edges were computed.
+  int nominal_queries = 0;
 };
 
 /// What all loops of a search have in common.
