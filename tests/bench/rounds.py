@@ -20,7 +20,8 @@ def arguments(description, rounds):
 
 
 def run_bench(bench, names, min_time_s=0.1):
-    """Runs the named benchmarks once, in one process; name -> Google Benchmark's record, times in ns of CPU."""
+    """Runs the named benchmarks once, in one process; name -> Google Benchmark's record, with times in ns: cpu_ns of
+    CPU, real_ns on the wall."""
     if not bench.exists():
         raise SystemExit(
             f"{bench} is missing. It is built where libbenchmark-dev is installed:\n"
@@ -34,7 +35,8 @@ def run_bench(bench, names, min_time_s=0.1):
         if record.get("error_occurred"):
             raise SystemExit(f"{record['name']}: {record['error_message']}")
         scale = {"ns": 1, "us": 1e3, "ms": 1e6}[record["time_unit"]]
-        records[record["name"]] = {**record, "cpu_ns": record["cpu_time"] * scale}
+        times = {"cpu_ns": record["cpu_time"] * scale, "real_ns": record["real_time"] * scale}
+        records[record["name"]] = {**record, **times}
     missing = set(names) - set(records)
     if missing:
         raise SystemExit(f"mwidth_bench has no {', '.join(sorted(missing))}")
