@@ -45,6 +45,7 @@ inline ForceCommand LimitForce(double force, double force_quantum, int32_t large
 /// one period; at most the full span, which is no limit. Rt.
 inline int64_t LargestStepCounts(double slew_limit, double period_s, double force_quantum,
                                  int32_t largest_counts) noexcept {
+  // The division may have rounded down from a whole number.
   const double step = std::floor(slew_limit * period_s / force_quantum * (1 + 1e-12));
   return static_cast<int64_t>(std::min(step, 2.0 * largest_counts));
 }

@@ -19,8 +19,9 @@ namespace mwidth::render {
 /// give the same samples, to the bit. In a Sample, position = position_counts * position_quantum; velocity
 /// and acceleration are those of model::AccelerationEstimator over the ticks whose position is not stale, as
 /// the sample's filter, into which it changes (ChangedTo) before its first estimate; force = force_counts *
-/// force_quantum, and force_counts is mass * acceleration limited and rounded to counts: the force that the
-/// drive was given. The loop's thread, except the constructor; all but that is Rt.
+/// force_quantum, and force_counts is mass * acceleration, rounded to counts, limited in size and in its
+/// step from the force that the drive last took: the force that the drive was given. Its position_counts are
+/// continuous where the drive's counter wraps. The loop's thread, except the constructor; all but that is Rt.
 class Tick {
  public:
   /// Settings that were posted before are history, taken by another loop or not: see Supervisor.

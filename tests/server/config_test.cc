@@ -200,5 +200,46 @@ TEST_F(ConfigTest, RefusesAMissingFileByNamingTheShippedOnes) {
   EXPECT_THROW(LoadConfig("no-such-file.toml"), ConfigError);
 }
 
+TEST_F(ConfigTest, DerivesWhatTheWatchesBearWhereTheFileDoesNotSayIt) {
+  std::string text = ReadFile(CONFIG_DIR "/paper.toml");
+  const std::size_t begin = text.find("[axis.watch]");
+  text.erase(begin, text.find("[axis.realtime]") - begin);
+  const std::filesystem::path file = testing::TempDir() + "no_watch.toml";
+  std::ofstream(file) << text;
+  const render::WatchConfig derived = LoadConfig(file).axes[0].watch;
+  EXPECT_EQ(derived.window_s, 1);
+  EXPECT_EQ(derived.saturation_s, 0.1);
+  EXPECT_DOUBLE_EQ(derived.delay_limit_s, 0.00025);
+  EXPECT_DOUBLE_EQ(derived.acceleration_limit, 5000);
+  EXPECT_DOUBLE_EQ(derived.freeze_velocity, 0.1);
+  const render::WatchConfig shipped = LoadConfig(CONFIG_DIR "/paper.toml").axes[0].watch;
+  EXPECT_EQ(shipped.acceleration_limit, 1000);
+  EXPECT_EQ(shipped.freeze_s, 0.1);
+}
+
+TEST_F(ConfigTest, AddsTheDelayThatIsCertifiedToTheToleranceOfTheWatch) {
+  std::string text = ReadFile(CONFIG_DIR "/paper.toml");
+  const std::string without = "delay_s = 0.0\n";
+  text.replace(text.find(without), without.size(), "delay_s = 0.001\n");
+  const std::filesystem::path file = testing::TempDir() + "delayed_watch.toml";
+  std::ofstream(file) << text;
+  EXPECT_DOUBLE_EQ(LoadConfig(file).axes[0].watch.delay_limit_s, 0.00125);
+}
+
+TEST_F(ConfigTest, RefusesWatchesAndSlewLimitsOutOfRange) {
+  EXPECT_THAT(ErrorAfter("window_s = 1.0", "window_s = 0.01"), HasSubstr("axis.watch.window_s"));
+  EXPECT_THAT(ErrorAfter("saturation_s = 0.1", "saturation_s = 1.5"),
+              HasSubstr("axis.watch.saturation_s is 1.5; allowed is a number from 0 to 1"));
+  EXPECT_THAT(ErrorAfter("delay_tolerance_s = 0.00025", "delay_tolerance_s = 0.002"),
+              HasSubstr("axis.watch.delay_tolerance_s"));
+  EXPECT_THAT(ErrorAfter("acceleration = 1000.0", "acceleration = 0.0"),
+              HasSubstr("axis.watch.acceleration"));
+  EXPECT_THAT(ErrorAfter("freeze_s = 0.1", "freezes = 0.1"), HasSubstr("axis.watch.freezes"));
+  EXPECT_THAT(ErrorAfter("max_consecutive_overruns = 10", "max_consecutive_overruns = 1001"),
+              HasSubstr("axis.watch.max_consecutive_overruns"));
+  EXPECT_THAT(ErrorAfter("force_slew = 4000.0", "force_slew = 0.5"),
+              AllOf(HasSubstr("axis.limits.force_slew"), HasSubstr("at least a force count")));
+}
+
 }  // namespace
 }  // namespace mwidth::server

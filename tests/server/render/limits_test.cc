@@ -52,5 +52,27 @@ TEST(LimitsTest, CommandsNothingWhereTheLimitIsBelowOneCount) { EXPECT_EQ(Larges
 
 TEST(LimitsTest, ScalesPositionsByTheQuantum) { EXPECT_EQ(PositionOf(-250'000, 1e-6), -250'000 * 1e-6); }
 
+TEST(LimitsTest, AllowsTheStepsOfASlewLimitInWholeCountsAndAnyStepWhereThereIsNone) {
+  EXPECT_EQ(LargestStepCounts(30, 1e-3, 1e-3, 8000), 30);
+  EXPECT_EQ(LargestStepCounts(30.9, 1e-3, 1e-3, 8000), 30);
+  EXPECT_EQ(LargestStepCounts(1, 1e-3, 1e-3, 8000), 1);
+  EXPECT_EQ(LargestStepCounts(std::numeric_limits<double>::infinity(), 1e-3, 1e-3, 8000), 16'000);
+  const int32_t largest = std::numeric_limits<int32_t>::max();
+  EXPECT_EQ(LargestStepCounts(1e300, 1e-3, 1e-3, largest), 2LL * largest);
+}
+
+TEST(LimitsTest, StaysWithinAStepOfTheForceThatActs) {
+  EXPECT_EQ(LimitStep({.counts = 50}, 0, 30).counts, 30);
+  EXPECT_TRUE(LimitStep({.counts = 50}, 0, 30).slew_limited);
+  EXPECT_EQ(LimitStep({.counts = -50}, 0, 30).counts, -30);
+  EXPECT_EQ(LimitStep({.counts = 50}, 20, 30).counts, 50);
+  EXPECT_FALSE(LimitStep({.counts = 50}, 20, 30).slew_limited);
+  EXPECT_TRUE(LimitStep({.counts = 50, .saturated = true}, 0, 30).saturated);
+  // From one end of the drive's integers to the other.
+  const int32_t largest = std::numeric_limits<int32_t>::max();
+  EXPECT_EQ(LimitStep({.counts = largest}, -largest, 2LL * largest).counts, largest);
+  EXPECT_EQ(LimitStep({.counts = -largest}, largest, 1).counts, largest - 1);
+}
+
 }  // namespace
 }  // namespace mwidth::render

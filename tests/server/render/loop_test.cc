@@ -7,7 +7,6 @@
 #include <condition_variable>
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <limits>
 #include <memory>
 #include <mutex>
@@ -259,51 +258,7 @@ TEST_F(LoopTest, NeverMissesATickOnASimulatedClock) {
   fast.Stop();
 }
 
-struct BadConfig {
-  const char* field;
-  std::function<void(LoopConfig&)> spoil;
-};
-
-class LoopConfigTest : public testing::TestWithParam<BadConfig> {};
-
-TEST_P(LoopConfigTest, RefusesAFieldThatIsOutOfRangeByItsName) {
-  ScriptedDrive drive;
-  const auto crossing = std::make_unique<exchange::Crossing>();
-  exchange::SimulatedClock clock(1);
-  LoopConfig config = TestConfig();
-  EXPECT_NO_THROW(Loop(drive, *crossing, clock, config));
-  GetParam().spoil(config);
-  try {
-    const Loop loop(drive, *crossing, clock, config);
-    FAIL() << "accepted a bad " << GetParam().field;
-  } catch (const std::invalid_argument& error) {
-    EXPECT_THAT(error.what(), testing::StartsWith(std::string(GetParam().field) + " is "));
-    EXPECT_THAT(error.what(), testing::HasSubstr("allowed is"));
-  }
-}
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-INSTANTIATE_TEST_SUITE_P(
-    Fields, LoopConfigTest,
-    testing::Values(BadConfig{"period_s", [](LoopConfig& c) { c.period_s = 0.9e-4; }},
-                    BadConfig{"period_s", [](LoopConfig& c) { c.period_s = 1.1e-2; }},
-                    BadConfig{"period_s", [](LoopConfig& c) { c.period_s = kNan; }},
-                    BadConfig{"cutoff_hz", [](LoopConfig& c) { c.cutoff_hz = 0; }},
-                    BadConfig{"cutoff_hz", [](LoopConfig& c) { c.cutoff_hz = 501; }},
-                    BadConfig{"force_limit", [](LoopConfig& c) { c.force_limit = 0; }},
-                    BadConfig{"force_limit", [](LoopConfig& c) { c.force_limit = kNan; }},
-                    BadConfig{"position_min", [](LoopConfig& c) { c.position_min = kNan; }},
-                    BadConfig{"position_max", [](LoopConfig& c) { c.position_max = c.position_min; }},
-                    BadConfig{"velocity_limit", [](LoopConfig& c) { c.velocity_limit = kNan; }},
-                    BadConfig{"max_missed_ticks", [](LoopConfig& c) { c.max_missed_ticks = 17; }},
-                    BadConfig{"fault_ramp_s", [](LoopConfig& c) { c.fault_ramp_s = 0.051; }},
-                    BadConfig{"priority", [](LoopConfig& c) { c.realtime.priority = 100; }}),
-    [](const auto& spoiled) {
-      return std::string(spoiled.param.field) + "_" + std::to_string(spoiled.index);
-    });
-
-TEST(LoopConfigTest, RefusesADriveWithoutAQuantum) {
+TEST(LoopConstructorTest, RefusesWhatCannotRun) {
   ScriptedDrive drive;
   drive.info.force_quantum = 0;
   const auto crossing = std::make_unique<exchange::Crossing>();

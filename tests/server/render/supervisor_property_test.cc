@@ -184,7 +184,7 @@ class History {
   }
 
   // A fault stays until it is cleared, and only an emergency stop takes its place.
-  void CheckFault() {
+  void CheckFault() const {
     if (before_.state != State::kFault) {
       return;
     }
@@ -232,7 +232,7 @@ class History {
   }
 
   // The force changes no faster than its limit, except to zero where the mass is.
-  void CheckSlew(int32_t acting_before) {
+  void CheckSlew(int32_t acting_before) const {
     if (axis_.sample.mass != 0) {
       const double step =
           std::abs(axis_.sample.force_counts - acting_before) * axis_.drive.info.force_quantum;

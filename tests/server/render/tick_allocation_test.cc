@@ -107,6 +107,18 @@ TEST_F(TickAllocationTest, NoTickAllocatesInAnyState) {
   axis.RunTicks(10);
   axis.EmergencyStop();
   axis.RunTicks(10);
+  axis.ClearFault();
+  axis.MoveTo(-0.5);
+  axis.RunTicks(1000);
+  axis.Start(0.3, 0);  // Gaps and late forces, until that is a fault.
+  for (int i = 0; i < 500; ++i) {
+    axis.drive.answers_reads = i % 2 == 0;
+    axis.tick_under_test().ReportLoopDelay(2'000'000);
+    axis.Run();
+  }
+  EXPECT_EQ(axis.status.fault.fault, exchange::Fault::kLoopDelay);
+  axis.EmergencyStop();
+  axis.Run();
   // Enough to fill the ring: dropping must not allocate either.
   for (uint64_t k = 0; k < exchange::kSampleRingCapacity + 10; ++k) {
     axis.tick_under_test().Run(++axis.tick, axis.now_ns, 0);
