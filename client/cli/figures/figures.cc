@@ -3,13 +3,13 @@
 namespace mwidth::figures {
 
 const std::vector<Figure>& AllFigures() {
-  static const std::vector<Figure> kFigures = {
+  static const std::vector<Figure> figures = {
       {"table-1", GainMarginTable},     {"table-2", ParameterTable},
       {"figure-4", SampleRateFigure},   {"figure-5", NaturalFrequencyFigure},
       {"figure-6", StabilityFigure},    {"figure-7", ModelComparisonFigure},
       {"figure-8", RenderedMassFigure}, {"figure-9", PerceivedMassFigure},
       {"figure-10", DampingRatioFigure}};
-  return kFigures;
+  return figures;
 }
 
 void WriteAllFigures(const std::filesystem::path& folder, const std::string& extension,
