@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kDigits = 8;
 // Viridis of matplotlib at five points: even in lightness, so that a print in grey still tells low from high.
-constexpr char kPalette[] =
+constexpr const char* kPalette =
     "set palette defined (0 '#440154', 1 '#3b528b', 2 '#21918c', 3 '#5ec962', 4 '#fde725')\n";
 
 void AppendAxis(const std::string& name, const Axis& axis, std::ostream& out) {
