@@ -55,6 +55,7 @@ render::LoopConfig MakeLoopConfig(const AxisConfig& config) {
   loop.velocity_limit = config.limits.velocity;
   loop.max_missed_ticks = static_cast<uint32_t>(config.limits.max_missed_ticks);
   loop.watch = config.watch;
+  loop.hand_monitor = config.hand_monitor;
   loop.realtime.priority = config.realtime.priority;
   loop.realtime.cpu = config.realtime.cpu.value_or(-1);
   loop.realtime.allow_deep_idle = config.realtime.allow_deep_idle;

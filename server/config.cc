@@ -5,6 +5,7 @@
 #include <set>
 #include <sstream>
 
+#include "server/config_hand_monitor.h"
 #include "server/config_limits.h"
 #include "server/config_table.h"
 
@@ -156,6 +157,7 @@ AxisConfig ReadAxis(ConfigTable axis, const std::filesystem::path& folder) {
   read.loop = ReadLoop(axis);
   read.hand_envelope = ReadHandEnvelope(axis, read.loop);
   read.device_tolerance = ReadDeviceTolerance(axis, read.loop);
+  read.hand_monitor = ReadHandMonitor(axis, read);
 
   ConfigTable gate = axis.Table("gate");
   read.required_gain_margin_db = gate.NumberOr("required_gain_margin_db", {0, 40}, kDefaultGainMarginDb);

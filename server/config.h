@@ -10,6 +10,7 @@
 #include "server/model/axis_kind.h"
 #include "server/model/envelope.h"
 #include "server/model/loop_parameters.h"
+#include "server/render/hand_monitor_config.h"
 #include "server/render/watch_config.h"
 
 namespace mwidth::server {
@@ -73,6 +74,7 @@ struct AxisConfig {
   std::optional<model::DeviceTolerance> device_tolerance;
   LimitsConfig limits;
   render::WatchConfig watch;
+  render::HandMonitorConfig hand_monitor;
   RealtimeConfig realtime;
   DriveConfig drive;
 };

@@ -27,6 +27,8 @@ enum class Fault : uint8_t {
   kRepeatedOverrun,
   kLoopDelay,
   kPositionGaps,
+  kGrowingOscillation,
+  kEnergyExcess,
 };
 
 /// Which estimator of acceleration a loop runs.
@@ -54,6 +56,9 @@ struct Settings {
   /// What `mass` is admitted for. A loop that runs another filter renders no mass but on the way to zero,
   /// changes, and only then goes to `mass`.
   Filter filter{};
+  /// How the loop with `filter` oscillates at the negative edge of what is certified; 0: not known, and the
+  /// hand is not watched.
+  double critical_hz = 0;
   /// Dead man: past this time of the axis's clock the loop ramps the mass to zero and goes to READY.
   int64_t lease_deadline_ns = 0;
   /// Grows with every emergency stop.

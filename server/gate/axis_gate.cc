@@ -36,7 +36,7 @@ AxisGate::AxisGate(AxisDescription description, exchange::Crossing& crossing, co
       wait_(std::move(wait)),
       stability_(std::make_shared<const StabilityGate>(description_.loop, description_.Requirements(),
                                                        certificates_)),
-      loop_(crossing, FilterOf(description_.loop)) {}
+      loop_(crossing, FilterOf(description_.loop), stability_->lower_critical_hz()) {}
 
 std::shared_ptr<const StabilityGate> AxisGate::stability() {
   const std::lock_guard lock(mutex_);

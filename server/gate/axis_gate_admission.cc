@@ -92,7 +92,7 @@ std::optional<Result<Posted>> AxisGate::PostFilter(const std::string& lease_id, 
     return Posted{};
   }
   stability_ = judged;
-  return loop_.SetFilter(FilterOf(judged->loop()));
+  return loop_.SetFilter(FilterOf(judged->loop()), judged->lower_critical_hz());
 }
 
 Result<FilterGrant> AxisGate::SetFilter(const std::string& lease_id, const FilterRequest& request) {

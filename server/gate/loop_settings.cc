@@ -22,11 +22,12 @@ Posted LoopSettings::SetMass(double mass, double ramp_s) {
   return Post();
 }
 
-Posted LoopSettings::SetFilter(const exchange::Filter& filter) {
+Posted LoopSettings::SetFilter(const exchange::Filter& filter, double critical_hz) {
   if (MassIsVoid()) {
     ForgetMass();
   }
   settings_.filter = filter;
+  settings_.critical_hz = critical_hz;
   return Post();
 }
 

@@ -19,9 +19,11 @@ struct Posted {
 /// and posts it all. Not thread-safe; nothing waits.
 class LoopSettings {
  public:
-  /// `filter` is what the loop is configured with.
-  LoopSettings(exchange::Crossing& crossing, const exchange::Filter& filter) : crossing_(crossing) {
+  /// `filter` is what the loop is configured with; `critical_hz`, as in exchange::Settings, belongs to it.
+  LoopSettings(exchange::Crossing& crossing, const exchange::Filter& filter, double critical_hz)
+      : crossing_(crossing) {
     settings_.filter = filter;
+    settings_.critical_hz = critical_hz;
   }
 
   /// What the loop last did; all zero and IDLE before its first tick.
@@ -33,7 +35,7 @@ class LoopSettings {
   Posted SetMass(double mass, double ramp_s);
   /// Estimates the acceleration with `filter` from now on. A rendered mass goes to zero before the loop
   /// changes, and comes back afterwards; a kept mass that is void is forgotten.
-  Posted SetFilter(const exchange::Filter& filter);
+  Posted SetFilter(const exchange::Filter& filter, double critical_hz);
   /// The mass that SetMass rendered or kept; 0 where there is none, or it is void.
   double KeptMass();
   /// Begins to render the mass that SetMass kept. A kept mass is void, and 0 in its place, once a rendering

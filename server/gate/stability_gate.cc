@@ -91,6 +91,13 @@ void StabilityGate::TakeRobust() {
   range_.max_binding = certificate_->upper.binding;
 }
 
+double StabilityGate::lower_critical_hz() const {
+  if (range_.robust.empty()) {
+    return 0;
+  }
+  return certificate_ ? certificate_->lower.binding_edge.critical_hz : range_.min_critical_hz;
+}
+
 StabilityReport StabilityGate::Judge(double mass, const MassLimits& limits, model::AxisKind kind) const {
   StabilityReport report{.admitted = mass == 0 || range_.admitted.Contains(mass),
                          .noisy = false,

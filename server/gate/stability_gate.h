@@ -44,6 +44,8 @@ class StabilityGate {
   StabilityReport Judge(double mass, const MassLimits& limits, model::AxisKind kind) const;
 
   const MassRange& range() const { return range_; }
+  /// How the worst loop oscillates at the negative edge of the robust interval; 0 where that is empty.
+  double lower_critical_hz() const;
   const model::LoopParameters& loop() const { return loop_; }
 
  private:

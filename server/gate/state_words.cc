@@ -73,6 +73,15 @@ std::string FaultMessage(const exchange::FaultRecord& fault) {
     case exchange::Fault::kPositionGaps:
       return "Positions or forces were missing for " + value + " s of the watched window, of which " + limit +
              " s are allowed. Check the drive's cable and the load of the host, then clear the fault.";
+    case exchange::Fault::kGrowingOscillation:
+      return "An oscillation grew by a factor of " + value + " in one period, where " + limit +
+             " is the limit: the hand is not one that the mass is certified for. Ask for a smaller mass, or "
+             "certify an envelope with less damping, then clear the fault.";
+    case exchange::Fault::kEnergyExcess:
+      return "The rendered force put in as much energy as a damping of " + value + " takes out, where " +
+             limit +
+             " is the limit: the hand is not one that the mass is certified for. Ask for a smaller mass, or "
+             "certify an envelope with stiffer hands, then clear the fault.";
   }
   return "An unknown fault. Restart the server.";
 }

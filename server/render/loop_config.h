@@ -6,6 +6,7 @@
 
 #include "device/drive.h"
 #include "server/model/estimator_kind.h"
+#include "server/render/hand_monitor_config.h"
 #include "server/render/watch_config.h"
 
 namespace mwidth::render {
@@ -48,6 +49,7 @@ struct LoopConfig {
   double fault_ramp_s = 0.05;
 
   WatchConfig watch;
+  HandMonitorConfig hand_monitor;
   RealtimeConfig realtime;
 };
 

@@ -21,6 +21,8 @@ struct Observation {
   double position = 0;
   double velocity = 0;
   double acceleration = 0;
+  /// The force that has acted since the tick before.
+  double force = 0;
   /// What the acceleration was estimated by.
   exchange::Filter filter{};
   /// From the position of the tick before to its force; none where one of them was not exchanged.

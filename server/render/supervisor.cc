@@ -32,6 +32,9 @@ bool LeavesEstimateSound(Fault fault) noexcept {
     case Fault::kDriveRefused:
     case Fault::kEncoderJump:
     case Fault::kEncoderFreeze:
+    // What grows goes on growing through a ramp.
+    case Fault::kGrowingOscillation:
+    case Fault::kEnergyExcess:
       return false;
   }
   return false;
@@ -47,7 +50,8 @@ Supervisor::Supervisor(const LoopConfig& config, const Settings& history, device
       drive_watch_(config),
       encoder_watch_(config, drive.Info().position_quantum),
       force_watch_(config),
-      timing_watch_(config) {}
+      timing_watch_(config),
+      hand_monitor_(config.hand_monitor, config.period_s, config.force_limit) {}
 
 double Supervisor::Step(const Settings& settings, const Observation& seen) noexcept {
   tick_ = seen.tick;
@@ -107,6 +111,7 @@ void Supervisor::Begin(const Settings& settings, const exchange::Filter& running
   drive_watch_.Begin();
   force_watch_.Begin();
   timing_watch_.Begin();
+  hand_monitor_.Forget();
   Follow(settings, running);
 }
 
@@ -128,6 +133,7 @@ void Supervisor::Follow(const Settings& settings, const exchange::Filter& runnin
                       changing_filter_ ? std::max(settings.ramp_s, kFilterRampS) : settings.ramp_s);
     }
     changing_filter_ = false;
+    hand_monitor_.SetCriticalHz(settings.critical_hz);
   }
 }
 
@@ -156,12 +162,32 @@ void Supervisor::Watch(const Observation& seen) noexcept {
   if (enabled_) {
     Judge(encoder_watch_.Judge());
   }
+  if (state_ == State::kRendering) {
+    Judge(JudgeHand(seen));
+  }
   for (const Breach& breach : {JudgeLimits(seen, config_), force_watch_.Judge(), drive_watch_.JudgeGaps(),
                                timing_watch_.JudgeDelay()}) {
     if (state_ == State::kRendering) {
       Judge(breach);
     }
   }
+}
+
+Breach Supervisor::JudgeHand(const Observation& seen) noexcept {
+  if (!seen.fresh) {
+    return {};
+  }
+  const HandVerdict verdict = hand_monitor_.Step(
+      {.velocity = seen.velocity, .force = seen.force, .mass = mass_.mass(), .periods = seen.answer_periods});
+  switch (verdict.kind) {
+    case HandVerdict::Kind::kCertified:
+      break;
+    case HandVerdict::Kind::kGrowingOscillation:
+      return {Fault::kGrowingOscillation, verdict.value, verdict.limit};
+    case HandVerdict::Kind::kEnergyExcess:
+      return {Fault::kEnergyExcess, verdict.value, verdict.limit};
+  }
+  return {};
 }
 
 void Supervisor::ReportForce(const ForceCommand& force) noexcept {

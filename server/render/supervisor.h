@@ -9,6 +9,7 @@
 #include "server/render/drive_watch.h"
 #include "server/render/encoder_watch.h"
 #include "server/render/force_watch.h"
+#include "server/render/hand_monitor.h"
 #include "server/render/loop_config.h"
 #include "server/render/mass_ramp.h"
 #include "server/render/observation.h"
@@ -75,6 +76,7 @@ class Supervisor {
   void Follow(const exchange::Settings& settings, const exchange::Filter& running) noexcept;
   void Clear(uint64_t cleared_fault_number) noexcept;
   void Watch(const Observation& seen) noexcept;
+  Breach JudgeHand(const Observation& seen) noexcept;
   void FinishRamp() noexcept;
   void Judge(const Breach& breach) noexcept;
   void Trip(exchange::Fault fault, double value, double limit) noexcept;
@@ -100,6 +102,7 @@ class Supervisor {
   EncoderWatch encoder_watch_;
   ForceWatch force_watch_;
   TimingWatch timing_watch_;
+  HandMonitor hand_monitor_;
 };
 
 }  // namespace mwidth::render

@@ -55,6 +55,7 @@ void Tick::Run(uint64_t tick, int64_t now_ns, uint64_t missed_ticks) noexcept {
                                                    .position = position_,
                                                    .velocity = estimator_.velocity(),
                                                    .acceleration = estimator_.acceleration(),
+                                                   .force = acting_counts_ * info_.force_quantum,
                                                    .filter = filter_,
                                                    .loop_delay_ns = loop_delay_ns_});
   Command(mass);

@@ -44,6 +44,10 @@ v1::FaultKind Kind(exchange::Fault fault) {
       return v1::FAULT_KIND_LOOP_DELAY;
     case exchange::Fault::kPositionGaps:
       return v1::FAULT_KIND_POSITION_GAPS;
+    case exchange::Fault::kGrowingOscillation:
+      return v1::FAULT_KIND_GROWING_OSCILLATION;
+    case exchange::Fault::kEnergyExcess:
+      return v1::FAULT_KIND_ENERGY_EXCESS;
   }
   return v1::FAULT_KIND_UNSPECIFIED;
 }

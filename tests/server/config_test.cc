@@ -106,6 +106,47 @@ TEST_F(ConfigTest, RefusesAnEnvelopeThatIsNoneOrHasNotTheLoopItself) {
               HasSubstr("axis.tolerance.mass"));
 }
 
+TEST_F(ConfigTest, ReadsWhatIsAssumedOfTheHandThatIsWatched) {
+  const std::string shipped = ReadFile(CONFIG_DIR "/paper.toml");
+  const auto read = [](const std::string& text) {
+    const std::filesystem::path file = testing::TempDir() + "hand_monitor.toml";
+    std::ofstream(file) << text;
+    return LoadConfig(file).axes[0].hand_monitor;
+  };
+  const render::HandMonitorConfig monitor = read(shipped);
+  EXPECT_TRUE(monitor.enabled);
+  EXPECT_EQ(monitor.device_mass, 0.07);
+  EXPECT_EQ(monitor.device_damping, 0.005);
+  EXPECT_EQ(monitor.least_damping, 5.005);
+  EXPECT_EQ(monitor.max_unexplained, render::HandMonitorConfig{}.max_unexplained);
+
+  const std::string tables =
+      "[axis.envelope]\ndamping = [2, 20]\n[axis.tolerance]\nmass = [0.06, 0.08]\ndamping = [0.003, 0.01]\n";
+  const std::string table = "[axis.hand_monitor]";
+  std::string text = shipped;
+  text.insert(text.find(table), tables);
+  const std::string enabled = "enabled = true";
+  text.replace(text.find(enabled), enabled.size(), "enabled = false");
+  const render::HandMonitorConfig with_envelope = read(text);
+  EXPECT_FALSE(with_envelope.enabled);
+  EXPECT_EQ(with_envelope.device_mass, 0.06);
+  EXPECT_EQ(with_envelope.device_damping, 0.003);
+  EXPECT_EQ(with_envelope.least_damping, 2.003);
+
+  const std::string without =
+      shipped.substr(0, shipped.find(table)) + shipped.substr(shipped.find("[axis.realtime]"));
+  EXPECT_EQ(read(without).least_damping, 5.005);
+  EXPECT_EQ(read(without).min_swing, monitor.min_swing);
+  for (const auto& [key, refused] :
+       {std::pair{"min_swing = 0.05", "min_swing = 0"}, std::pair{"min_growth = 1.02", "min_growth = 0.9"},
+        std::pair{"max_unexplained = 0.006", "max_unexplained = 0.2"},
+        std::pair{"max_push = 0.1", "max_push = -1"},
+        std::pair{"max_energy_ratio = 1.2", "max_energy_ratio = 0.5"},
+        std::pair{"energy_swing = 0.4", "energy_swing = 3"}}) {
+    EXPECT_THAT(ErrorAfter(key, refused), HasSubstr("axis.hand_monitor."));
+  }
+}
+
 TEST_F(ConfigTest, ReadsWhatIsAskedOfTheHost) {
   const Config shipped = LoadConfig(CONFIG_DIR "/paper.toml");
   EXPECT_FALSE(shipped.keep_cpus_awake);

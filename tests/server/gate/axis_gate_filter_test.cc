@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "server/gate/axis_gate.h"
+#include "server/model/m_width.h"
 #include "tests/server/gate/axis_fixture.h"
 
 namespace mwidth::gate {
@@ -33,6 +34,14 @@ TEST_F(AxisGateFilterTest, ChangesAtOnceWhereNothingIsRendered) {
   EXPECT_EQ(grant->stability.requested_mass, 0);
   EXPECT_EQ(grant->tick, loop.status().tick);
   EXPECT_EQ(loop.status().filter, FilterOf(grant->loop));
+}
+
+TEST_F(AxisGateFilterTest, TellsTheLoopHowItOscillatesAtTheNegativeEdge) {
+  const std::string lease = Render(-0.01);
+  EXPECT_EQ(loop.settings().critical_hz, model::ComputeMWidth(PaperAxis().loop).lower.critical_hz);
+  const Result<FilterGrant> grant = gate.SetFilter(lease, kKalman);
+  ASSERT_TRUE(grant.ok());
+  EXPECT_EQ(loop.settings().critical_hz, model::ComputeMWidth(grant->loop).lower.critical_hz);
 }
 
 TEST_F(AxisGateFilterTest, WaitsWhileTheLoopTakesTheMassToZeroAndKeepsTheMass) {

@@ -18,7 +18,7 @@ class LoopSettingsTest : public testing::Test {
   }
 
   std::unique_ptr<exchange::Crossing> crossing = std::make_unique<exchange::Crossing>();
-  LoopSettings loop{*crossing, {.estimator = 1, .cutoff_hz = 30}};
+  LoopSettings loop{*crossing, {.estimator = 1, .cutoff_hz = 30}, 5};
   Settings taken;
 };
 
@@ -101,9 +101,11 @@ TEST_F(LoopSettingsTest, KnowsWhatTheLoopHasYetToFollow) {
 TEST_F(LoopSettingsTest, PostsTheFilterWithEverything) {
   loop.SetMass(0.5, 1);
   EXPECT_EQ(Taken().filter, (exchange::Filter{.estimator = 1, .cutoff_hz = 30}));
-  loop.SetFilter({.estimator = 2, .cutoff_hz = 7});
+  EXPECT_EQ(taken.critical_hz, 5);
+  loop.SetFilter({.estimator = 2, .cutoff_hz = 7}, 3);
   const Settings settings = Taken();
   EXPECT_EQ(settings.filter, (exchange::Filter{.estimator = 2, .cutoff_hz = 7}));
+  EXPECT_EQ(settings.critical_hz, 3);
   EXPECT_EQ(settings.mass, 0.5);
 }
 
@@ -112,7 +114,7 @@ TEST_F(LoopSettingsTest, ForgetsAVoidMassWithTheFilterThatItWasAdmittedFor) {
   EXPECT_EQ(loop.KeptMass(), 0.5);
   crossing->status.Post({.fault = {}, .renderings_ended = 1});
   EXPECT_EQ(loop.KeptMass(), 0);
-  loop.SetFilter({.estimator = 2, .cutoff_hz = 7});
+  loop.SetFilter({.estimator = 2, .cutoff_hz = 7}, 3);
   EXPECT_EQ(Taken().mass, 0);
 }
 

@@ -25,12 +25,12 @@ TEST(StateWords, SayForEveryFaultWhatToDo) {
        {Fault::kEmergencyStop, Fault::kDriveSilent, Fault::kNotFinite, Fault::kPositionLimit,
         Fault::kVelocityLimit, Fault::kOverrun, Fault::kDriveRefused, Fault::kForceSaturation,
         Fault::kForceSlew, Fault::kEncoderJump, Fault::kEncoderFreeze, Fault::kRepeatedOverrun,
-        Fault::kLoopDelay, Fault::kPositionGaps}) {
+        Fault::kLoopDelay, Fault::kPositionGaps, Fault::kGrowingOscillation, Fault::kEnergyExcess}) {
     const std::string message = FaultMessage({.fault = fault, .number = 1});
     EXPECT_THAT(message, HasSubstr("then clear the fault."));
     messages.insert(message);
   }
-  EXPECT_EQ(messages.size(), 14U);
+  EXPECT_EQ(messages.size(), 16U);
   EXPECT_EQ(FaultMessage({}), "");
 }
 

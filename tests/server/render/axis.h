@@ -23,6 +23,7 @@ inline LoopConfig TestConfig() {
           .max_missed_ticks = 5,
           .fault_ramp_s = 0.05,
           .watch = {.delay_limit_s = 1e-3, .acceleration_limit = 5000, .freeze_velocity = 0.1},
+          .hand_monitor = {},
           .realtime = {.priority = 0, .cpu = -1}};
 }
 
