@@ -2,95 +2,22 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/mman.h>
 
-#include <condition_variable>
 #include <cstdint>
-#include <filesystem>
 #include <limits>
 #include <memory>
-#include <mutex>
 #include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
 
-#include "tests/server/render/axis.h"
+#include "tests/server/render/loop_fixture.h"
 
 namespace mwidth::render {
 namespace {
 
 using exchange::Sample;
 using exchange::State;
-
-constexpr int64_t kPeriodNs = 1'000'000;
-
-// Time that passes when the test says so: each sleep waits for a wake, which may come late.
-class SteppedClock final : public exchange::Clock {
- public:
-  int64_t NowNs() const noexcept override {
-    const std::lock_guard lock(mutex_);
-    return now_ns_;
-  }
-  void SleepUntilNs(int64_t deadline_ns) noexcept override {
-    std::unique_lock lock(mutex_);
-    asleep_ = true;
-    changed_.notify_all();
-    changed_.wait(lock, [this] { return wake_ || free_; });
-    wake_ = asleep_ = false;
-    now_ns_ = deadline_ns + late_ns_;
-    deadlines_ns.push_back(deadline_ns);
-  }
-  /// Wakes the loop `late_ns` after its deadline, and returns when it sleeps again.
-  void Wake(int64_t late_ns = 0) {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return asleep_; });
-    late_ns_ = late_ns;
-    wake_ = true;
-    asleep_ = false;
-    changed_.notify_all();
-    changed_.wait(lock, [this] { return asleep_; });
-  }
-  /// Never keeps the loop asleep again.
-  void Free() {
-    const std::lock_guard lock(mutex_);
-    late_ns_ = 0;
-    free_ = true;
-    changed_.notify_all();
-  }
-
-  std::vector<int64_t> deadlines_ns;
-
- private:
-  mutable std::mutex mutex_;
-  std::condition_variable changed_;
-  int64_t now_ns_ = 5'000'000'000;
-  int64_t late_ns_ = 0;
-  bool asleep_ = false;
-  bool wake_ = false;
-  bool free_ = false;
-};
-
-class LoopTest : public testing::Test {
- protected:
-  void Start() {
-    loop = std::make_unique<Loop>(drive, *crossing, clock, TestConfig());
-    report = loop->Start();
-  }
-  Sample Next(int64_t late_ns = 0) {
-    clock.Wake(late_ns);
-    Sample sample;
-    EXPECT_TRUE(crossing->samples.Pop(sample));
-    return sample;
-  }
-  void TearDown() override { clock.Free(); }
-
-  ScriptedDrive drive;
-  std::unique_ptr<exchange::Crossing> crossing = std::make_unique<exchange::Crossing>();
-  SteppedClock clock;
-  RealtimeReport report;
-  std::unique_ptr<Loop> loop;
-};
 
 TEST_F(LoopTest, TicksAtAbsoluteDeadlinesHoweverLateEachWakeIs) {
   Start();
@@ -115,68 +42,6 @@ TEST_F(LoopTest, SkipsAndCountsMissedDeadlinesAndNeverReplaysThem) {
   EXPECT_EQ(after.missed_ticks, 3);
   EXPECT_EQ(after.monotonic_ns, 5'000'000'000 + 7 * kPeriodNs);
   EXPECT_EQ(Next(kPeriodNs).tick, 9);
-}
-
-TEST_F(LoopTest, TellsHowLateItWokeUpAndHowOftenTooLate) {
-  Start();
-  Next(200);
-  Next(300);
-  Next(3 * kPeriodNs + 5);
-  Next(kPeriodNs - 1);
-  const exchange::DurationFigures lag = crossing->tick_statistics.wake_latency().Figures();
-  EXPECT_EQ(lag.count, 4);
-  EXPECT_EQ(lag.min_ns, 200);
-  EXPECT_EQ(lag.max_ns, 3 * kPeriodNs + 5);
-  EXPECT_EQ(crossing->tick_statistics.overruns(), 1);
-}
-
-TEST_F(LoopTest, TellsTheDelayOnlyWhereAForceWasWritten) {
-  Start();
-  Next();
-  EXPECT_EQ(crossing->tick_statistics.io().Figures().count, 1);
-  EXPECT_EQ(crossing->tick_statistics.loop_delay().Figures().count, 0) << "the drive is not enabled";
-  exchange::Settings settings{.sequence = 1, .rendering = true, .render_epoch = 1};
-  settings.lease_deadline_ns = INT64_MAX;
-  crossing->settings.Post(settings);
-  Next();
-  EXPECT_EQ(crossing->tick_statistics.loop_delay().Figures().count, 1);
-}
-
-// How often this process has the kernel's latency device open.
-int OpenLatencyRequests() {
-  int requests = 0;
-  for (const auto& file : std::filesystem::directory_iterator("/proc/self/fd")) {
-    std::error_code gone;
-    requests += std::filesystem::read_symlink(file, gone) == "/dev/cpu_dma_latency" ? 1 : 0;
-  }
-  return requests;
-}
-
-TEST_F(LoopTest, AsksForWakefulCpusAsLongAsItRuns) {
-  const bool has_device = CpuLatencyRequest().refusal().empty();
-  LoopConfig config = TestConfig();
-  config.realtime.priority = 1;
-  loop = std::make_unique<Loop>(drive, *crossing, clock, config);
-  report = loop->Start();
-  EXPECT_EQ(OpenLatencyRequests(), has_device ? 1 : 0);
-  EXPECT_EQ(report.message.find("/dev/cpu_dma_latency") == std::string::npos, has_device) << report.message;
-  clock.Free();
-  loop->Stop();
-  EXPECT_EQ(OpenLatencyRequests(), 0);
-  munlockall();
-}
-
-TEST_F(LoopTest, LeavesIdleCpusAloneWhereNothingOrNotThisIsAskedOfTheHost) {
-  LoopConfig config = TestConfig();
-  config.realtime.allow_deep_idle = true;
-  for (const int priority : {0, 1}) {
-    config.realtime.priority = priority;
-    exchange::SimulatedClock simulated(1000);
-    Loop other(drive, *crossing, simulated, config);
-    other.Start();
-    EXPECT_EQ(OpenLatencyRequests(), 0) << priority;
-  }
-  munlockall();
 }
 
 TEST_F(LoopTest, BeginsToStopWithoutBeingWaitedFor) {
