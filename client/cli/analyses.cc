@@ -180,13 +180,17 @@ int RunBode(const CommandLine& line) {
     if (ToTerminal(line)) {
       std::cout << plot::ToText(table(ForPeople)) << "\n";
     }
-    std::cout << "Margins: " << MarginsText(response.margins()) << ".\n";
+    if (response.has_margins()) {
+      std::cout << "Margins: " << MarginsText(response.margins()) << ".\n";
+    }
   }
   if (!response.effective_missing_reason().empty()) {
     std::cerr << "No effective ratios: " << response.effective_missing_reason() << "\n";
   }
   WriteTable(line, table);
-  WriteMargins(line, response.margins());
+  if (response.has_margins()) {
+    WriteMargins(line, response.margins());
+  }
   if (line.plot) {
     DrawPicture(line, BodeChart(axis.name() + ": loop with a virtual mass of " + Rounded(line.mass) + " " +
                                     UnitsOf(axis.kind()).mass.text,

@@ -32,6 +32,8 @@ void AddLoopOptions(CLI::App* command, CommandLine& line) {
     line.overrides.set_estimator(estimator);
   })->group(kGroup);
   add("--cutoff-hz", &v1::LoopParameters::set_cutoff_hz, "Its cut-off, Hz");
+  add("--accelerometer-bandwidth-hz", &v1::LoopParameters::set_accelerometer_bandwidth_hz,
+      "Bandwidth of the sensor itself, Hz; of accelerometers only");
   add("--delay-s", &v1::LoopParameters::set_delay_s, "Loop delay beyond the zero-order hold, s");
 }
 

@@ -61,7 +61,15 @@ std::string IntervalText(const v1::Interval& interval, const Units& units) {
 }
 
 std::string FilterText(const v1::LoopParameters& loop) {
-  return EstimatorName(loop.estimator()) + ", cut-off " + Rounded(loop.cutoff_hz()) + " Hz";
+  std::string text = EstimatorName(loop.estimator());
+  const bool filtered = loop.estimator() == v1::ESTIMATOR_KIND_FILTERED_ACCELEROMETER;
+  if (filtered || loop.estimator() == v1::ESTIMATOR_KIND_ACCELEROMETER) {
+    text += " of " + Rounded(loop.accelerometer_bandwidth_hz()) + " Hz";
+    if (!filtered) {
+      return text;
+    }
+  }
+  return text + ", cut-off " + Rounded(loop.cutoff_hz()) + " Hz";
 }
 
 std::string LoopText(const v1::LoopParameters& loop, const Units& units) {

@@ -102,6 +102,11 @@ Result<FilterGrant> AxisGate::SetFilter(const std::string& lease_id, const Filte
   FilterGrant grant{.loop = description_.loop, .stability = {}, .tick = 0};
   grant.loop.estimator = request.estimator;
   grant.loop.cutoff_hz = request.cutoff_hz;
+  if (model::IsAccelerometer(request.estimator)) {
+    return InvalidNumber({.parameter = "estimator",
+                          .value = static_cast<double>(request.estimator),
+                          .allowed = "one that estimates from positions: no drive reads an accelerometer"});
+  }
   if (const auto error = model::Validate(grant.loop)) {
     return InvalidNumber(*error);
   }

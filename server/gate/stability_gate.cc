@@ -32,7 +32,9 @@ void Check(const model::LoopParameters& loop, const Requirements& requirements) 
   if (const auto error = model::Validate(loop)) {
     throw std::invalid_argument(error->Message());
   }
-  if (const auto error = model::Validate(AssumedLoops(loop, requirements))) {
+  const auto error =
+      AssumesOneLoop(loop, requirements) ? std::nullopt : model::Validate(AssumedLoops(loop, requirements));
+  if (error) {
     throw std::invalid_argument("the envelope: " + error->Message());
   }
   if (!(requirements.gain_margin_db >= 0 && requirements.gain_margin_db <= kMaxMarginDb)) {

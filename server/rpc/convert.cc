@@ -62,10 +62,10 @@ v1::EstimatorKind Kind(model::EstimatorKind estimator) {
       return v1::ESTIMATOR_KIND_BUTTERWORTH;
     case model::EstimatorKind::kKalman:
       return v1::ESTIMATOR_KIND_KALMAN;
-    // No loop that is served has one: the configuration refuses them.
     case model::EstimatorKind::kAccelerometer:
+      return v1::ESTIMATOR_KIND_ACCELEROMETER;
     case model::EstimatorKind::kFilteredAccelerometer:
-      break;
+      return v1::ESTIMATOR_KIND_FILTERED_ACCELEROMETER;
   }
   return v1::ESTIMATOR_KIND_UNSPECIFIED;
 }
@@ -114,6 +114,7 @@ void Convert(const model::LoopParameters& loop, v1::LoopParameters& message) {
   message.set_hand_stiffness(loop.hand_stiffness);
   message.set_period_s(loop.period_s);
   message.set_cutoff_hz(loop.cutoff_hz);
+  message.set_accelerometer_bandwidth_hz(loop.accelerometer_bandwidth_hz);
   message.set_delay_s(loop.delay_s);
   message.set_estimator(Kind(loop.estimator));
 }
@@ -206,6 +207,10 @@ std::optional<model::EstimatorKind> Estimator(v1::EstimatorKind estimator) {
       return model::EstimatorKind::kButterworth;
     case v1::ESTIMATOR_KIND_KALMAN:
       return model::EstimatorKind::kKalman;
+    case v1::ESTIMATOR_KIND_ACCELEROMETER:
+      return model::EstimatorKind::kAccelerometer;
+    case v1::ESTIMATOR_KIND_FILTERED_ACCELEROMETER:
+      return model::EstimatorKind::kFilteredAccelerometer;
     default:
       return std::nullopt;
   }
@@ -225,6 +230,8 @@ model::LoopParameters Override(model::LoopParameters own, const v1::LoopParamete
   replace(own.period_s, overrides.has_period_s(), overrides.period_s());
   replace(own.cutoff_hz, overrides.has_cutoff_hz(), overrides.cutoff_hz());
   replace(own.delay_s, overrides.has_delay_s(), overrides.delay_s());
+  replace(own.accelerometer_bandwidth_hz, overrides.has_accelerometer_bandwidth_hz(),
+          overrides.accelerometer_bandwidth_hz());
   own.estimator = Estimator(overrides.estimator()).value_or(own.estimator);
   return own;
 }

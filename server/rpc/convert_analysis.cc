@@ -63,7 +63,7 @@ std::optional<gate::Refusal> CheckEstimator(v1::EstimatorKind estimator) {
   if (v1::EstimatorKind_IsValid(estimator)) {
     return std::nullopt;
   }
-  return gate::InvalidNumber("estimator", estimator, "an EstimatorKind, 0 to 4");
+  return gate::InvalidNumber("estimator", estimator, "an EstimatorKind, 0 to 6");
 }
 
 gate::Result<model::LoopParameters> ReadLoop(const model::LoopParameters& own,
@@ -99,7 +99,10 @@ gate::Result<gate::Requirements> ReadAssumptions(gate::Requirements own, const m
     own.device = {.device_mass = Read(device.has_mass(), device.mass(), loop.device_mass),
                   .device_damping = Read(device.has_damping(), device.damping(), loop.device_damping)};
   }
-  if (const auto error = model::Validate(AssumedLoops(loop, own))) {
+  // A single loop is what it is, and has been validated.
+  const auto error =
+      gate::AssumesOneLoop(loop, own) ? std::nullopt : model::Validate(AssumedLoops(loop, own));
+  if (error) {
     return gate::InvalidNumber(*error);
   }
   return own;

@@ -145,7 +145,9 @@ grpc::Status StabilityService::GetFrequencyResponse(grpc::ServerContext*,
       [&](const FrequencyResponseQuery& query) {
         Convert(query.loop, *response->mutable_loop());
         Convert(model::ComputeBode(query.loop, query.mass, query.frequencies, query.model), *response);
-        Convert(model::ComputeMargins(query.loop, query.mass), *response->mutable_margins());
+        if (!model::IsAccelerometer(query.loop.estimator)) {
+          Convert(model::ComputeMargins(query.loop, query.mass), *response->mutable_margins());
+        }
       });
 }
 

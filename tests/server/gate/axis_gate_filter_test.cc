@@ -113,6 +113,8 @@ TEST_F(AxisGateFilterTest, AsksForLeaseThenNumbersThenState) {
   const Result<FilterGrant> refused = gate.SetFilter(lease, bad);
   ExpectRefused(refused, RefusalCode::kInvalidArgument, kInvalidNumber);
   EXPECT_EQ(refused.refusal().metadata.at("field"), "cutoff_hz");
+  bad = {.estimator = EstimatorKind::kFilteredAccelerometer, .cutoff_hz = 10};
+  ExpectRefused(gate.SetFilter(lease, bad), RefusalCode::kInvalidArgument, kInvalidNumber);
   bad = {.estimator = static_cast<EstimatorKind>(99), .cutoff_hz = 10};
   EXPECT_EQ(gate.SetFilter(lease, bad).refusal().metadata.at("field"), "estimator");
   ExpectRefused(gate.SetFilter(lease, kKalman), RefusalCode::kFailedPrecondition, kWrongState);

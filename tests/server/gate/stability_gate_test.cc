@@ -293,11 +293,13 @@ TEST(StabilityGate, VouchesForEveryEstimatorWithManyHands) {
   }
 }
 
-TEST(StabilityGate, RefusesAnAccelerometer) {
+TEST(StabilityGate, KnowsAnAccelerometerInASingleLoopOnly) {
   model::LoopParameters loop = PaperLoop();
   loop.estimator = model::EstimatorKind::kAccelerometer;
   loop.accelerometer_bandwidth_hz = 100;
-  EXPECT_THROW(StabilityGate(loop, {.gain_margin_db = 3}), std::invalid_argument);
+  const StabilityGate gate(loop, {.gain_margin_db = 3});
+  EXPECT_NEAR(gate.range().robust.min / loop.device_mass, -0.885, 1e-3);
+  EXPECT_THROW(StabilityGate(loop, ManyHands()), std::invalid_argument);
 }
 
 TEST(StabilityGate, RefusesAnEnvelopeThatIsNone) {

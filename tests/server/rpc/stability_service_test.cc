@@ -140,9 +140,10 @@ TEST_F(StabilityServiceTest, NamesTheRangeThatIsEmptyOrNotAllowed) {
 
 TEST_F(StabilityServiceTest, KnowsEveryEstimator) {
   double previous = 0;
-  for (int kind = 1; kind <= 4; ++kind) {
+  for (int kind = 1; kind <= 6; ++kind) {
     v1::LoopParameters loop;
     loop.set_estimator(static_cast<v1::EstimatorKind>(kind));
+    loop.set_accelerometer_bandwidth_hz(100);
     v1::GetMWidthResponse response;
     ASSERT_TRUE(GetMWidth(loop, response).ok()) << kind;
     EXPECT_EQ(response.loop().estimator(), kind);
@@ -151,11 +152,20 @@ TEST_F(StabilityServiceTest, KnowsEveryEstimator) {
     previous = response.m_width().nominal().max();
   }
   v1::LoopParameters loop;
-  loop.set_estimator(static_cast<v1::EstimatorKind>(5));
+  loop.set_estimator(static_cast<v1::EstimatorKind>(7));
   v1::GetMWidthResponse response;
   const grpc::Status refused = GetMWidth(loop, response);
   ExpectStatus(refused, StatusCode::INVALID_ARGUMENT, "INVALID_NUMBER");
   EXPECT_EQ(DetailsOf(refused).info.metadata().at("field"), "estimator");
+}
+
+TEST_F(StabilityServiceTest, NeedsTheBandwidthOfAnAccelerometer) {
+  v1::LoopParameters loop;
+  loop.set_estimator(v1::ESTIMATOR_KIND_FILTERED_ACCELEROMETER);
+  v1::GetMWidthResponse response;
+  const grpc::Status refused = GetMWidth(loop, response);
+  ExpectStatus(refused, StatusCode::INVALID_ARGUMENT, "INVALID_NUMBER");
+  EXPECT_EQ(DetailsOf(refused).info.metadata().at("field"), "accelerometer_bandwidth_hz");
 }
 
 TEST_F(StabilityServiceTest, KnowsOnlyItsAxes) {
