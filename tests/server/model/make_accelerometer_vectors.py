@@ -15,21 +15,13 @@ import sys
 from mpmath import expm, matrix, mp, mpf, pi, polyroots
 
 import make_m_width_vectors
-from make_m_width_vectors import log_uniform, random_loop
+from make_m_width_vectors import log_uniform, random_loop, times
 
 SEED = 20090701
 HEADER = ("device_mass,device_damping,hand_mass,hand_damping,hand_stiffness,period_s,cutoff_hz,delay_s,"
           "accelerometer_bandwidth_hz,filtered,rise_0,rise_1,rise_2,lower,upper,lower_hz,upper_hz")
 COUNTS = {"any": 160, "released": 30, "frictionless": 10, "with_hand_mass": 20, "slow": 20, "heavily_damped": 30,
           "wide_sensor": 20, "slow_sensor": 20}
-
-
-def times(p, q):
-    product = [mpf(0)] * (len(p) + len(q) - 1)
-    for i, x in enumerate(p):
-        for j, y in enumerate(q):
-            product[i + j] += x * y
-    return product
 
 
 class Loop(make_m_width_vectors.Loop):
@@ -99,6 +91,9 @@ class Loop(make_m_width_vectors.Loop):
             total[len(total) - len(right) + i] += x
         return polyroots(total, maxsteps=2000, extraprec=400)
 
+    def stable(self, mass):
+        return max(map(abs, self.roots(mass))) < 1
+
     def rise(self):
         """mu times the numerator over w = z - 1, by powers of w, without a released hand's part at z = 1."""
         quotient = [x * self.mu for x in self.numerator]
@@ -119,14 +114,14 @@ class Loop(make_m_width_vectors.Loop):
 
 
 def random_sensed_loop(rng, kind):
-    loop = random_loop(rng, kind)  # a kind that it does not know is any
+    *loop, _ = random_loop(rng, kind)  # a kind that it does not know is any; its estimator is another one
     period = loop[5]
     bandwidth = log_uniform(rng, 1e-2 / period, 3 / period)
     if kind == "wide_sensor":
         bandwidth = log_uniform(rng, 3 / period, min(1e6, 1e3 / period))
     elif kind == "slow_sensor":
         bandwidth = log_uniform(rng, 1.0, 1e-2 / period) if period < 1e-3 else log_uniform(rng, 0.1, 1.0)
-    return loop + (bandwidth, rng.choice([0, 1]))
+    return (*loop, bandwidth, rng.choice([0, 1]))
 
 
 def rows():
