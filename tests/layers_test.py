@@ -11,7 +11,7 @@ PROTO = ("mwidth/v1/", "google/rpc/", "google/protobuf/", "grpcpp/", "grpc/")
 # Folder: prefixes that it may include, besides itself and the standard library.
 LAYERS = {
     "server/model": ("Eigen/", "unsupported/Eigen/", "boost/math/", "boost/numeric/interval"),
-    "device": ("server/model/", "boost/math/", "csv.h"),
+    "device": ("server/model/", "boost/math/", "csv.h", "modbus/modbus.h"),
     "server/exchange": (),
     "server/render": ("server/exchange/", "device/drive.h", "server/model/"),
     "server/gate": ("server/exchange/", "server/model/"),
