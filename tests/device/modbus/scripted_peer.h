@@ -90,6 +90,7 @@ class Listener {
   Listener& operator=(const Listener&) = delete;
   ~Listener() { close(file_); }
 
+  int file() const { return file_; }
   uint16_t port() const { return port_; }
   int Accept() const { return accept(file_, nullptr, nullptr); }
 

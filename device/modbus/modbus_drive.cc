@@ -1,0 +1,219 @@
+#include "device/modbus/modbus_drive.h"
+
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <stdexcept>
+
+namespace mwidth::device::modbus {
+namespace {
+
+int64_t DeadlineNs(double in_s) noexcept {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return now.tv_sec * 1'000'000'000L + now.tv_nsec + static_cast<int64_t>(in_s * 1e9);
+}
+
+// Whole numbers are counts already.
+double Quantum(const RegisterValue& value, double of_a_float) noexcept {
+  return value.type == RegisterType::kFloat32 ? of_a_float : std::abs(value.scale);
+}
+
+DriveInfo InfoOf(const ModbusDriveConfig& config) noexcept {
+  return {.position_quantum = Quantum(config.map.position, config.position_quantum),
+          .force_quantum = Quantum(config.map.force, config.force_quantum),
+          .simulated = false};
+}
+
+ArmingRefusal RefusalOf(Outcome outcome) noexcept {
+  switch (outcome) {
+    case Outcome::kAnswered:
+      return ArmingRefusal::kNone;
+    case Outcome::kException:
+    case Outcome::kMalformed:
+      return ArmingRefusal::kUnexpectedAnswer;
+    case Outcome::kSilent:
+    case Outcome::kDisconnected:
+      break;
+  }
+  return ArmingRefusal::kSilent;
+}
+
+}  // namespace
+
+ModbusDrive::ModbusDrive(const ModbusDriveConfig& config)
+    : config_(config), info_(InfoOf(config)), link_(config.link) {
+  link_.Connect();
+  TakeForceAway();
+  connecting_ = std::jthread([this](const std::stop_token& stop) { KeepConnected(stop); });
+}
+
+ModbusDrive::~ModbusDrive() {
+  connecting_.request_stop();
+  connecting_.join();
+  Disable();
+}
+
+DriveInfo ModbusDrive::Info() const noexcept { return info_; }
+
+Outcome ModbusDrive::Ask(const Request& request, std::span<uint16_t> words) noexcept {
+  if (!HasLink()) {
+    return Outcome::kDisconnected;
+  }
+  const Outcome outcome = link_.Exchange(request, words, DeadlineNs(config_.reply_deadline_s));
+  if (outcome == Outcome::kDisconnected) {
+    enabled_ = false;
+    lost_.store(true, std::memory_order_release);
+  }
+  return outcome;
+}
+
+Outcome ModbusDrive::Put(uint16_t address, std::span<const uint16_t> words) noexcept {
+  return Ask(WriteRegisters(address, words), {});
+}
+
+// F_a acts against the positive direction (eq. 1), the drive's force towards it.
+ModbusDrive::Words ModbusDrive::ForceWords(int32_t force_counts) const noexcept {
+  const RegisterValue& force = config_.map.force;
+  return Encode(force,
+                (-static_cast<double>(force_counts) * info_.force_quantum - force.offset) / force.scale);
+}
+
+Outcome ModbusDrive::PutForce(int32_t force_counts) noexcept {
+  const Words words = ForceWords(force_counts);
+  return Put(config_.map.force.address, std::span(words).first(config_.map.force.Registers()));
+}
+
+Outcome ModbusDrive::PutEnabled(bool enabled) noexcept {
+  const auto& enable = config_.map.enable;
+  if (!enable) {
+    return Outcome::kAnswered;
+  }
+  const std::array<uint16_t, 1> word{enabled ? enable->enabled : enable->disabled};
+  return Put(enable->address, word);
+}
+
+ArmingRefusal ModbusDrive::CheckWatchdog() noexcept {
+  if (config_.without_watchdog) {
+    return ArmingRefusal::kNone;
+  }
+  const auto& watchdog = config_.map.watchdog;
+  if (!watchdog) {
+    return ArmingRefusal::kNoWatchdog;
+  }
+  Words words{};
+  const RegisterValue& timeout = watchdog->timeout;
+  if (const Outcome outcome = Ask(ReadRegisters(timeout.address, timeout.Registers()), words);
+      outcome != Outcome::kAnswered) {
+    return RefusalOf(outcome);
+  }
+  const double timeout_s = Decode(timeout, words) * timeout.scale + timeout.offset;
+  if (const Outcome outcome = Ask(ReadRegisters(watchdog->reaction, 1), words);
+      outcome != Outcome::kAnswered) {
+    return RefusalOf(outcome);
+  }
+  // Written so that a time-out that is no number is weak.
+  const bool reacts = timeout_s > 0 && timeout_s <= kMaxWatchdogS && words[0] != watchdog->no_reaction;
+  return reacts ? ArmingRefusal::kNone : ArmingRefusal::kWeakWatchdog;
+}
+
+ArmingRefusal ModbusDrive::Arm() noexcept {
+  if (const ArmingRefusal refusal = CheckWatchdog(); refusal != ArmingRefusal::kNone) {
+    return refusal;
+  }
+  if (const Outcome outcome = PutForce(0); outcome != Outcome::kAnswered) {
+    return RefusalOf(outcome);
+  }
+  return RefusalOf(PutEnabled(true));
+}
+
+bool ModbusDrive::Enable() noexcept {
+  refusal_ = Arm();
+  enabled_ = refusal_ == ArmingRefusal::kNone;
+  force_counts_ = 0;
+  if (!enabled_) {
+    PutEnabled(false);
+  }
+  return enabled_;
+}
+
+void ModbusDrive::Disable() noexcept {
+  enabled_ = false;
+  force_counts_ = 0;
+  // Both, whatever becomes of the first: either one takes the force away.
+  PutForce(0);
+  PutEnabled(false);
+}
+
+Reading ModbusDrive::PositionOf(std::span<const uint16_t> words) const noexcept {
+  const RegisterValue& position = config_.map.position;
+  const double counts = (Decode(position, words) * position.scale + position.offset) / info_.position_quantum;
+  // What a count in 64 bits holds; not so for what is no number.
+  constexpr double kLargest = 9e18;
+  if (!(std::abs(counts) < kLargest)) {
+    return {};
+  }
+  return {.ok = true, .position_counts = std::llround(counts)};
+}
+
+Reading ModbusDrive::Read(uint64_t /*tick*/) noexcept {
+  const RegisterValue& position = config_.map.position;
+  Words words{};
+  Outcome outcome = Outcome::kSilent;
+  if (config_.exchange == TickExchange::kReadWrite && enabled_) {
+    const Words force = ForceWords(force_counts_);
+    outcome = Ask(ReadWriteRegisters(position.address, position.Registers(), config_.map.force.address,
+                                     std::span(force).first(config_.map.force.Registers())),
+                  words);
+  } else {
+    outcome = Ask(ReadRegisters(position.address, position.Registers()), words);
+  }
+  answered_ = outcome == Outcome::kAnswered;
+  return answered_ ? PositionOf(words) : Reading{};
+}
+
+bool ModbusDrive::Write(int32_t force_counts) noexcept {
+  if (config_.exchange == TickExchange::kReadWrite) {
+    force_counts_ = force_counts;
+    return enabled_ && answered_;
+  }
+  return PutForce(force_counts) == Outcome::kAnswered;
+}
+
+void ModbusDrive::TakeForceAway() {
+  const Words zero = ForceWords(0);
+  const auto put = [this](uint16_t address, std::span<const uint16_t> words) {
+    // Nobody waits for this one: a slow drive has its time.
+    constexpr double kPatienceS = 0.5;
+    if (link_.Exchange(WriteRegisters(address, words), {}, DeadlineNs(kPatienceS)) != Outcome::kAnswered) {
+      throw std::runtime_error(
+          "Modbus drive at " + link_.Name() +
+          ": it does not take a force of zero; check its unit number, the registers of its "
+          "map, and that it lets this connection write");
+    }
+  };
+  if (const auto& enable = config_.map.enable) {
+    put(enable->address, std::array<uint16_t, 1>{enable->disabled});
+  }
+  put(config_.map.force.address, std::span(zero).first(config_.map.force.Registers()));
+}
+
+void ModbusDrive::KeepConnected(const std::stop_token& stop) {
+  constexpr std::chrono::milliseconds kPause{100};
+  std::unique_lock lock(mutex_);
+  while (!stop.stop_requested()) {
+    ending_.wait_for(lock, stop, kPause, [] { return false; });
+    if (stop.stop_requested() || HasLink()) {
+      continue;
+    }
+    try {
+      link_.Connect();
+      TakeForceAway();
+      lost_.store(false, std::memory_order_release);
+    } catch (const std::runtime_error&) {  // NOLINT(bugprone-empty-catch): the loop tells of the silence; try
+                                           // again
+    }
+  }
+}
+
+}  // namespace mwidth::device::modbus

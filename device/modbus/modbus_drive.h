@@ -1,0 +1,115 @@
+// A drive behind Modbus TCP or RTU.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <mutex>
+#include <span>
+#include <stop_token>
+#include <thread>
+
+#include "device/drive.h"
+#include "device/modbus/drive_map.h"
+#include "device/modbus/link.h"
+
+namespace mwidth::device::modbus {
+
+/// How a tick talks to the drive.
+enum class TickExchange : uint8_t {
+  /// Reads the position, then writes the force that follows from it: the least delay.
+  kTwoRequests,
+  /// Writes the last tick's force and reads the position in one request (function 23): half the messages, and
+  /// one period
+  /// of delay, which the loop's delay_s must hold.
+  kReadWrite,
+};
+
+/// Longest time after which a drive must take the force away by itself when nobody speaks to it.
+inline constexpr double kMaxWatchdogS = 0.1;
+
+struct ModbusDriveConfig {
+  LinkConfig link;
+  DriveMap map;
+  TickExchange exchange = TickExchange::kTwoRequests;
+  /// Bound on each request and its reply, s; the tick has one or two of them.
+  double reply_deadline_s = 0;
+  /// Position and force of one count of a float32; for whole numbers their scale says it.
+  double position_quantum = 0;
+  double force_quantum = 0;
+  /// Lets a drive without a proven watchdog be armed: then a dead server leaves the last force on the motor.
+  bool without_watchdog = false;
+};
+
+/// Why a drive was not armed.
+enum class ArmingRefusal : uint8_t {
+  kNone,
+  /// It does not answer, or the connection is gone.
+  kSilent,
+  /// It answered with an exception or with something else.
+  kUnexpectedAnswer,
+  /// Its map names no watchdog.
+  kNoWatchdog,
+  /// Its watchdog reacts with nothing, not at all, or after more than kMaxWatchdogS.
+  kWeakWatchdog,
+};
+
+/// The loop's thread exchanges with the drive; a connection that is lost is made again by a thread of its
+/// own, which also takes the force away before it hands the drive back. All Rt but the constructor, the
+/// destructor and what says so.
+class ModbusDrive final : public Drive {
+ public:
+  /// Connects and takes the force away. Throws std::runtime_error, with what to do, where the drive does not
+  /// answer.
+  explicit ModbusDrive(const ModbusDriveConfig& config);
+  ModbusDrive(const ModbusDrive&) = delete;
+  ModbusDrive& operator=(const ModbusDrive&) = delete;
+  /// Takes the force away, as far as the drive still answers.
+  ~ModbusDrive() override;
+
+  DriveInfo Info() const noexcept override;
+  /// Reads the watchdog back, writes a force of zero, then the enable register: up to four exchanges.
+  bool Enable() noexcept override;
+  /// Why the last Enable failed. The loop's thread.
+  ArmingRefusal refusal() const noexcept { return refusal_; }
+  void Disable() noexcept override;
+  Reading Read(uint64_t tick) noexcept override;
+  bool Write(int32_t force_counts) noexcept override;
+
+  /// What came and was not used. The loop's thread.
+  const LinkCounters& counters() const noexcept { return link_.counters(); }
+
+ private:
+  using Words = std::array<uint16_t, kMaxValueRegisters>;
+
+  bool HasLink() const noexcept { return !lost_.load(std::memory_order_acquire); }
+  /// One request of the tick; hands a lost connection to the thread that makes it anew.
+  Outcome Ask(const Request& request, std::span<uint16_t> words) noexcept;
+  Outcome Put(uint16_t address, std::span<const uint16_t> words) noexcept;
+  Outcome PutForce(int32_t force_counts) noexcept;
+  Outcome PutEnabled(bool enabled) noexcept;
+  ArmingRefusal Arm() noexcept;
+  ArmingRefusal CheckWatchdog() noexcept;
+  Words ForceWords(int32_t force_counts) const noexcept;
+  Reading PositionOf(std::span<const uint16_t> words) const noexcept;
+  /// Not Rt.
+  void TakeForceAway();
+  void KeepConnected(const std::stop_token& stop);
+
+  const ModbusDriveConfig config_;
+  const DriveInfo info_;
+  // Used by the loop's thread while lost_ is false, by the connecting thread while it is true.
+  Link link_;
+  bool enabled_ = false;
+  bool answered_ = false;
+  int32_t force_counts_ = 0;
+  ArmingRefusal refusal_ = ArmingRefusal::kNone;
+
+  std::atomic<bool> lost_{false};
+  std::mutex mutex_;
+  std::condition_variable_any ending_;
+  std::jthread connecting_;
+};
+
+}  // namespace mwidth::device::modbus
