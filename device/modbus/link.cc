@@ -176,9 +176,9 @@ Outcome Link::Receive(const Request& request, std::span<uint16_t> values, int64_
       ++counters_.silent;
       return Outcome::kSilent;
     }
-    constexpr int64_t kSecond_us = 1'000'000;
-    modbus_set_response_timeout(context_.get(), static_cast<uint32_t>(left_us / kSecond_us),
-                                static_cast<uint32_t>(left_us % kSecond_us));
+    constexpr int64_t kMicrosecondsInASecond = 1'000'000;
+    modbus_set_response_timeout(context_.get(), static_cast<uint32_t>(left_us / kMicrosecondsInASecond),
+                                static_cast<uint32_t>(left_us % kMicrosecondsInASecond));
     const int size = modbus_receive_confirmation(context_.get(), frame.data());
     if (size < 0) {
       return ReceiveFailed(errno);
