@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "device/hand_motion.h"
+#include "device/modbus/modbus_drive.h"
 #include "device/simulated_drive.h"
 #include "server/describe_axis.h"
 
@@ -16,11 +17,15 @@ constexpr std::chrono::milliseconds kDrainPeriod{5};
 
 constexpr int64_t kNsPerUs = 1000;
 
-std::unique_ptr<exchange::Clock> MakeClock(const RealtimeConfig& realtime, const AxisOptions& options) {
+std::unique_ptr<exchange::Clock> MakeClock(const AxisConfig& config, const AxisOptions& options) {
   if (options.simulation_speed) {
+    if (!config.drive.simulated()) {
+      throw ConfigError("--simulation-speed: axis " + config.name +
+                        " has a real drive, whose time nobody can turn");
+    }
     return std::make_unique<exchange::SimulatedClock>(*options.simulation_speed);
   }
-  return std::make_unique<exchange::MonotonicClock>(realtime.spin_us * kNsPerUs);
+  return std::make_unique<exchange::MonotonicClock>(config.realtime.spin_us * kNsPerUs);
 }
 
 std::unique_ptr<device::HandMotion> MakeHandMotion(const HandMotionConfig& motion, model::AxisKind kind) {
@@ -36,11 +41,14 @@ std::unique_ptr<device::HandMotion> MakeHandMotion(const HandMotionConfig& motio
 }
 
 std::unique_ptr<device::Drive> MakeDrive(const AxisConfig& config) {
+  if (const auto* modbus = std::get_if<device::modbus::ModbusDriveConfig>(&config.drive.behind)) {
+    return std::make_unique<device::modbus::ModbusDrive>(*modbus);
+  }
   return std::make_unique<device::SimulatedDrive>(
       device::SimulatedDriveConfig{.loop = config.loop,
                                    .position_quantum = config.drive.position_quantum,
                                    .force_quantum = config.drive.force_quantum},
-      MakeHandMotion(config.drive.hand_motion, config.kind));
+      MakeHandMotion(std::get<HandMotionConfig>(config.drive.behind), config.kind));
 }
 
 render::LoopConfig MakeLoopConfig(const AxisConfig& config) {
@@ -76,7 +84,7 @@ gate::AxisDescription Describe(const AxisConfig& config, bool simulated,
 }  // namespace
 
 Axis::Axis(const AxisConfig& config, const Config& server, const AxisOptions& options)
-    : clock_(MakeClock(config.realtime, options)),
+    : clock_(MakeClock(config, options)),
       drive_(MakeDrive(config)),
       broadcast_({.max_subscribers = static_cast<std::size_t>(server.max_streams),
                   .max_queued_samples = static_cast<std::size_t>(server.stream_queue_samples)}),

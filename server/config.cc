@@ -114,34 +114,6 @@ RealtimeConfig ReadRealtime(ConfigTable realtime, double period_s) {
   return read;
 }
 
-HandMotionConfig ReadHandMotion(ConfigTable motion, const std::filesystem::path& folder) {
-  HandMotionConfig read{
-      .amplitude = motion.Number("amplitude", {-kLargest, kLargest}),
-      .duration_s = motion.NumberOr("duration_s", {0.05, 60}, 0.8),
-      .hold_s = motion.NumberOr("hold_s", {0, 60}, 1.2),
-      .file = motion.StringOr("file", ""),
-      .reach = motion.OptionalInteger("reach", {1, kLargest}),
-  };
-  if (!read.file.empty()) {
-    read.file = folder / read.file;
-  }
-  motion.Finish();
-  return read;
-}
-
-DriveConfig ReadDrive(ConfigTable drive, const std::filesystem::path& folder) {
-  if (const std::string type = drive.String("type"); type != "simulated") {
-    drive.Refuse("type", "is \"" + type + R"("; allowed is "simulated")");
-  }
-  DriveConfig read{
-      .position_quantum = drive.Number("position_quantum", {0, 1, true}),
-      .force_quantum = drive.Number("force_quantum", {0, 1e3, true}),
-      .hand_motion = ReadHandMotion(drive.Table("hand_motion"), folder),
-  };
-  drive.Finish();
-  return read;
-}
-
 AxisConfig ReadAxis(ConfigTable axis, const std::filesystem::path& folder) {
   AxisConfig read;
   read.name = axis.String("name");
@@ -167,13 +139,9 @@ AxisConfig ReadAxis(ConfigTable axis, const std::filesystem::path& folder) {
   ConfigTable limits = axis.Table("limits");
   read.limits = ReadLimits(limits);
   read.realtime = ReadRealtime(axis.Table("realtime"), read.loop.period_s);
-  read.drive = ReadDrive(axis.Table("drive"), folder);
-  // A force count crosses to the drive as 32 bits.
-  if (read.limits.force / read.drive.force_quantum > 2e9) {
-    axis.Table("drive").Refuse("force_quantum", "is too fine: limits.force must be at most 2e9 of it");
-  }
+  read.drive = ReadDrive(axis.Table("drive"), folder, read.loop, read.limits.force);
   if (read.limits.force_slew.value_or(HUGE_VAL) * read.loop.period_s < read.drive.force_quantum) {
-    limits.Refuse("force_slew", "is too small: it must be at least a force count (force_quantum) per period");
+    limits.Refuse("force_slew", "is too small: it must be at least a force count per period");
   }
   read.watch = ReadWatch(axis, read);
   axis.Finish();

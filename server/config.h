@@ -3,10 +3,10 @@
 
 #include <filesystem>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "server/config_drive.h"
 #include "server/model/axis_kind.h"
 #include "server/model/envelope.h"
 #include "server/model/loop_parameters.h"
@@ -14,30 +14,6 @@
 #include "server/render/watch_config.h"
 
 namespace mwidth::server {
-
-/// A configuration that cannot be used. what() names the file, the line, the key and what is allowed.
-class ConfigError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
-
-/// Where a simulated hand goes: a built-in reach, or a recording.
-struct HandMotionConfig {
-  /// Length of the built-in reach; rad or m.
-  double amplitude = 0;
-  double duration_s = 0;
-  double hold_s = 0;
-  /// A recording to play instead of the built-in reach; empty: none.
-  std::filesystem::path file;
-  /// Which reach of the recording, from 1; none: all, one after the other.
-  std::optional<int> reach;
-};
-
-struct DriveConfig {
-  double position_quantum = 0;
-  double force_quantum = 0;
-  HandMotionConfig hand_motion;
-};
 
 struct LimitsConfig {
   double mass_min = 0;

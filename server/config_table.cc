@@ -1,10 +1,9 @@
 #include "server/config_table.h"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <utility>
-
-#include "server/config.h"
 
 namespace mwidth::server {
 namespace {
@@ -41,6 +40,10 @@ double ConfigTable::NumberOr(std::string_view key, Range allowed, double otherwi
 std::optional<double> ConfigTable::OptionalNumber(std::string_view key, Range allowed) {
   const toml::node* node = Find(key);
   return node == nullptr ? std::nullopt : std::optional(CheckedNumber(key, *node, allowed));
+}
+
+int ConfigTable::Integer(std::string_view key, Range allowed) {
+  return CheckedInteger(key, Require(key, "a whole number, " + Describe(allowed)), allowed);
 }
 
 int ConfigTable::IntegerOr(std::string_view key, Range allowed, int otherwise) {
@@ -89,6 +92,23 @@ std::string ConfigTable::String(std::string_view key) {
 
 std::string ConfigTable::StringOr(std::string_view key, std::string otherwise) {
   return Find(key) == nullptr ? std::move(otherwise) : String(key);
+}
+
+std::string ConfigTable::OneOf(std::string_view key, const std::vector<std::string>& allowed) {
+  std::string word = String(key);
+  if (std::find(allowed.begin(), allowed.end(), word) == allowed.end()) {
+    std::string names;
+    for (const std::string& name : allowed) {
+      names += (names.empty() ? "\"" : ", \"") + name + "\"";
+    }
+    Refuse(key, "is \"" + word + "\"; allowed are " + names);
+  }
+  return word;
+}
+
+std::string ConfigTable::OneOfOr(std::string_view key, const std::vector<std::string>& allowed,
+                                 std::string otherwise) {
+  return Find(key) == nullptr ? std::move(otherwise) : OneOf(key, allowed);
 }
 
 ConfigTable ConfigTable::Table(std::string_view key) {

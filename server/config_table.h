@@ -6,10 +6,17 @@
 #include <filesystem>
 #include <optional>
 #include <set>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 
 namespace mwidth::server {
+
+/// A configuration that cannot be used. what() names the file, the line, the key and what is allowed.
+class ConfigError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
 
 /// An inclusive range of numbers, unless `above_min` leaves its lower end out.
 struct Range {
@@ -28,6 +35,7 @@ class ConfigTable {
   double Number(std::string_view key, Range allowed);
   double NumberOr(std::string_view key, Range allowed, double otherwise);
   std::optional<double> OptionalNumber(std::string_view key, Range allowed);
+  int Integer(std::string_view key, Range allowed);
   int IntegerOr(std::string_view key, Range allowed, int otherwise);
   std::optional<int> OptionalInteger(std::string_view key, Range allowed);
   bool BooleanOr(std::string_view key, bool otherwise);
@@ -35,6 +43,9 @@ class ConfigTable {
   std::optional<Range> OptionalRange(std::string_view key, Range allowed);
   std::string String(std::string_view key);
   std::string StringOr(std::string_view key, std::string otherwise);
+  /// One of the words in `allowed`.
+  std::string OneOf(std::string_view key, const std::vector<std::string>& allowed);
+  std::string OneOfOr(std::string_view key, const std::vector<std::string>& allowed, std::string otherwise);
   /// A table below this one; it must stand.
   ConfigTable Table(std::string_view key);
   /// The same, if it stands.

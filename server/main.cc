@@ -84,8 +84,12 @@ server::Config Load(const CommandLine& line) {
       throw server::ConfigError(
           "--hand-motion: the configuration has several axes; set axis.drive.hand_motion.file");
     }
-    config.axes[0].drive.hand_motion.file = line.hand_motion;
-    config.axes[0].drive.hand_motion.reach = line.reach;
+    auto* motion = std::get_if<server::HandMotionConfig>(&config.axes[0].drive.behind);
+    if (motion == nullptr) {
+      throw server::ConfigError("--hand-motion: the axis has a real drive, which nobody but a hand moves");
+    }
+    motion->file = line.hand_motion;
+    motion->reach = line.reach;
   }
   return config;
 }

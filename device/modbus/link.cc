@@ -37,23 +37,23 @@ const char* Remedy(bool tcp) {
 
 }  // namespace
 
+std::string NameOf(const LinkConfig& config) {
+  const auto* tcp = std::get_if<TcpAddress>(&config.peer);
+  return (tcp != nullptr ? tcp->host + ":" + std::to_string(tcp->port)
+                         : std::get<SerialLine>(config.peer).device) +
+         " unit " + std::to_string(config.unit);
+}
+
 Link::Link(LinkConfig config) : config_(std::move(config)) {}
 
 Link::~Link() { Close(); }
-
-std::string Link::Name() const {
-  if (const auto* tcp = std::get_if<TcpAddress>(&config_.peer)) {
-    return tcp->host + ":" + std::to_string(tcp->port);
-  }
-  return std::get<SerialLine>(config_.peer).device;
-}
 
 void Link::Connect() {
   Close();
   context_.reset(NewContext(config_));
   const auto fail = [this](const std::string& reason) {
     Close();
-    throw std::runtime_error("Modbus drive at " + Name() + ": " + reason + "; " + Remedy(IsTcp()));
+    throw std::runtime_error("Modbus drive at " + NameOf(config_) + ": " + reason + "; " + Remedy(IsTcp()));
   };
   if (!context_) {
     fail(modbus_strerror(errno));

@@ -8,33 +8,11 @@
 #include <memory>
 #include <span>
 #include <string>
-#include <variant>
 
 #include "device/modbus/frame.h"
+#include "device/modbus/modbus_drive_config.h"
 
 namespace mwidth::device::modbus {
-
-/// Modbus TCP.
-struct TcpAddress {
-  /// Name or address, IPv4 or IPv6.
-  std::string host;
-  uint16_t port = 502;
-};
-
-/// Modbus RTU.
-struct SerialLine {
-  std::string device;
-  int baud = 115'200;
-  /// 'N', 'E' or 'O'.
-  char parity = 'N';
-  int stop_bits = 1;
-};
-
-struct LinkConfig {
-  std::variant<TcpAddress, SerialLine> peer;
-  /// Unit (slave) identifier: 1 to 247; Modbus TCP drives often want 255 or ignore it.
-  uint8_t unit = 1;
-};
 
 /// How an exchange ended.
 enum class Outcome : uint8_t {
@@ -58,6 +36,9 @@ struct LinkCounters {
   uint64_t other_unit = 0;
   uint64_t disconnects = 0;
 };
+
+/// "127.0.0.1:502 unit 1" or "/dev/ttyUSB0 unit 1".
+std::string NameOf(const LinkConfig& config);
 
 /// libmodbus, held to a deadline. It brings connection, framing and RTU's checksum; requests, and the
 /// judgement of replies, are those of frame.h, because libmodbus looks at neither the unit of a TCP reply nor
@@ -85,8 +66,6 @@ class Link {
   Outcome Exchange(const Request& request, std::span<uint16_t> values, int64_t deadline_ns) noexcept;
 
   const LinkCounters& counters() const noexcept { return counters_; }
-  /// "127.0.0.1:502" or "/dev/ttyUSB0".
-  std::string Name() const;
 
  private:
   struct Free {

@@ -42,7 +42,7 @@ ArmingRefusal RefusalOf(Outcome outcome) noexcept {
 }  // namespace
 
 ModbusDrive::ModbusDrive(const ModbusDriveConfig& config)
-    : config_(config), info_(InfoOf(config)), link_(config.link) {
+    : lock_("modbus:" + NameOf(config.link)), config_(config), info_(InfoOf(config)), link_(config.link) {
   link_.Connect();
   TakeForceAway();
   connecting_ = std::jthread([this](const std::stop_token& stop) { KeepConnected(stop); });
@@ -187,7 +187,7 @@ void ModbusDrive::TakeForceAway() {
     constexpr double kPatienceS = 0.5;
     if (link_.Exchange(WriteRegisters(address, words), {}, DeadlineNs(kPatienceS)) != Outcome::kAnswered) {
       throw std::runtime_error(
-          "Modbus drive at " + link_.Name() +
+          "Modbus drive at " + NameOf(config_.link) +
           ": it does not take a force of zero; check its unit number, the registers of its "
           "map, and that it lets this connection write");
     }

@@ -11,36 +11,11 @@
 #include <thread>
 
 #include "device/drive.h"
-#include "device/modbus/drive_map.h"
+#include "device/drive_lock.h"
 #include "device/modbus/link.h"
+#include "device/modbus/modbus_drive_config.h"
 
 namespace mwidth::device::modbus {
-
-/// How a tick talks to the drive.
-enum class TickExchange : uint8_t {
-  /// Reads the position, then writes the force that follows from it: the least delay.
-  kTwoRequests,
-  /// Writes the last tick's force and reads the position in one request (function 23): half the messages, and
-  /// one period
-  /// of delay, which the loop's delay_s must hold.
-  kReadWrite,
-};
-
-/// Longest time after which a drive must take the force away by itself when nobody speaks to it.
-inline constexpr double kMaxWatchdogS = 0.1;
-
-struct ModbusDriveConfig {
-  LinkConfig link;
-  DriveMap map;
-  TickExchange exchange = TickExchange::kTwoRequests;
-  /// Bound on each request and its reply, s; the tick has one or two of them.
-  double reply_deadline_s = 0;
-  /// Position and force of one count of a float32; for whole numbers their scale says it.
-  double position_quantum = 0;
-  double force_quantum = 0;
-  /// Lets a drive without a proven watchdog be armed: then a dead server leaves the last force on the motor.
-  bool without_watchdog = false;
-};
 
 /// Why a drive was not armed.
 enum class ArmingRefusal : uint8_t {
@@ -97,6 +72,7 @@ class ModbusDrive final : public Drive {
   void TakeForceAway();
   void KeepConnected(const std::stop_token& stop);
 
+  const DriveLock lock_;
   const ModbusDriveConfig config_;
   const DriveInfo info_;
   // Used by the loop's thread while lost_ is false, by the connecting thread while it is true.

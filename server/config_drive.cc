@@ -1,0 +1,58 @@
+#include "server/config_drive.h"
+
+#include <cmath>
+#include <sstream>
+#include <string>
+#include <utility>
+
+#include "server/config_modbus.h"
+
+namespace mwidth::server {
+namespace {
+
+constexpr double kLargest = 1e6;
+
+HandMotionConfig ReadHandMotion(ConfigTable motion, const std::filesystem::path& folder) {
+  HandMotionConfig read{
+      .amplitude = motion.Number("amplitude", {-kLargest, kLargest}),
+      .duration_s = motion.NumberOr("duration_s", {0.05, 60}, 0.8),
+      .hold_s = motion.NumberOr("hold_s", {0, 60}, 1.2),
+      .file = motion.StringOr("file", ""),
+      .reach = motion.OptionalInteger("reach", {1, kLargest}),
+  };
+  if (!read.file.empty()) {
+    read.file = folder / read.file;
+  }
+  motion.Finish();
+  return read;
+}
+
+DriveConfig ReadSimulated(ConfigTable& drive, const std::filesystem::path& folder) {
+  return {.position_quantum = drive.Number("position_quantum", {0, 1, true}),
+          .force_quantum = drive.Number("force_quantum", {0, 1e3, true}),
+          .behind = ReadHandMotion(drive.Table("hand_motion"), folder)};
+}
+
+}  // namespace
+
+DriveConfig ReadDrive(ConfigTable drive, const std::filesystem::path& folder,
+                      const model::LoopParameters& loop, double force_limit) {
+  const std::string type = drive.OneOf("type", {"simulated", "modbus-tcp", "modbus-rtu"});
+  DriveConfig read;
+  if (type == "simulated") {
+    read = ReadSimulated(drive, folder);
+  } else {
+    auto modbus = ReadModbusDrive(drive, type == "modbus-tcp", loop, force_limit);
+    read = {.position_quantum = modbus.position_quantum,
+            .force_quantum = modbus.force_quantum,
+            .behind = std::move(modbus)};
+  }
+  // A force count crosses to the drive as 32 bits.
+  if (force_limit / read.force_quantum > 2e9) {
+    drive.Refuse("type", "counts its force too finely: limits.force must be at most 2e9 counts");
+  }
+  drive.Finish();
+  return read;
+}
+
+}  // namespace mwidth::server
