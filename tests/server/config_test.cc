@@ -225,7 +225,8 @@ TEST_F(ConfigTest, NamesAnUnknownKeyAndTheAllowedOnes) {
 TEST_F(ConfigTest, RefusesWrongTypesAndWords) {
   EXPECT_THAT(ErrorAfter("period_s = 0.001", "period_s = \"1 ms\""), HasSubstr("axis.loop.period_s is"));
   EXPECT_THAT(ErrorAfter("kind = \"linear\"", "kind = \"round\""), HasSubstr(R"(allowed are "linear")"));
-  EXPECT_THAT(ErrorAfter("type = \"simulated\"", "type = \"real\""), HasSubstr(R"(allowed is "simulated")"));
+  EXPECT_THAT(ErrorAfter("type = \"simulated\"", "type = \"real\""),
+              HasSubstr(R"(allowed are "simulated", "modbus-tcp", "modbus-rtu")"));
   EXPECT_THAT(ErrorAfter("max_missed_ticks = 16", "max_missed_ticks = 2.5"), HasSubstr("a whole number"));
   EXPECT_THAT(ErrorAfter("[axis.device]", "[axis.devise]"), HasSubstr("axis.device is missing"));
   EXPECT_THAT(ErrorAfter("position_max = 0.25", "position_max = -1"), HasSubstr("above position_min"));
