@@ -12,6 +12,8 @@ PROTO = ("mwidth/v1/", "google/rpc/", "google/protobuf/", "grpcpp/", "grpc/")
 LAYERS = {
     "server/model": ("Eigen/", "unsupported/Eigen/", "boost/math/", "boost/numeric/interval"),
     "device": ("server/model/", "boost/math/", "csv.h", "modbus/modbus.h"),
+    # The emulated drive reads the server's own configuration, so that both speak of the same registers.
+    "device/emulator": ("device/", "server/model/", "server/config.h", "boost/asio/", "CLI/"),
     "server/exchange": (),
     "server/render": ("server/exchange/", "device/drive.h", "server/model/"),
     "server/gate": ("server/exchange/", "server/model/"),
@@ -27,7 +29,7 @@ LAYERS = {
 # The loop's folder: nothing that locks, and no streams.
 FORBIDDEN = {"server/render": {"mutex", "shared_mutex", "condition_variable", "iostream", "sstream", "fstream"}}
 # POSIX and Linux headers belong to the platform as the standard library does.
-SYSTEM = re.compile(r"(sys/|linux/)?[a-z0-9_]+(\.h)?$")
+SYSTEM = re.compile(r"(sys/|linux/|netinet/)?[a-z0-9_]+(\.h)?$")
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 
 

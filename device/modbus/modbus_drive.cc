@@ -1,5 +1,6 @@
 #include "device/modbus/modbus_drive.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <ctime>
@@ -7,6 +8,9 @@
 
 namespace mwidth::device::modbus {
 namespace {
+
+// What a drive may take for each answer before it is armed: there is no force yet that could be late.
+constexpr double kArmingPatienceS = 0.005;
 
 int64_t DeadlineNs(double in_s) noexcept {
   timespec now{};
@@ -60,7 +64,9 @@ Outcome ModbusDrive::Ask(const Request& request, std::span<uint16_t> words) noex
   if (!HasLink()) {
     return Outcome::kDisconnected;
   }
-  const Outcome outcome = link_.Exchange(request, words, DeadlineNs(config_.reply_deadline_s));
+  const double patience_s =
+      arming_ ? std::max(config_.reply_deadline_s, kArmingPatienceS) : config_.reply_deadline_s;
+  const Outcome outcome = link_.Exchange(request, words, DeadlineNs(patience_s));
   if (outcome == Outcome::kDisconnected) {
     enabled_ = false;
     lost_.store(true, std::memory_order_release);
@@ -128,7 +134,9 @@ ArmingRefusal ModbusDrive::Arm() noexcept {
 }
 
 bool ModbusDrive::Enable() noexcept {
+  arming_ = true;
   refusal_ = Arm();
+  arming_ = false;
   enabled_ = refusal_ == ArmingRefusal::kNone;
   force_counts_ = 0;
   if (!enabled_) {

@@ -78,6 +78,7 @@ class ModbusDrive final : public Drive {
   // Used by the loop's thread while lost_ is false, by the connecting thread while it is true.
   Link link_;
   bool enabled_ = false;
+  bool arming_ = false;
   bool answered_ = false;
   int32_t force_counts_ = 0;
   ArmingRefusal refusal_ = ArmingRefusal::kNone;

@@ -1,0 +1,88 @@
+#include "device/emulator/commands.h"
+
+#include <unistd.h>
+
+#include <boost/asio/read_until.hpp>
+#include <cstddef>
+#include <cstdint>
+#include <iostream>
+#include <sstream>
+
+namespace mwidth::device::emulator {
+namespace {
+
+// Pauses longer than this would only seem to be silence.
+constexpr double kLongestPauseS = 10;
+
+bool ReadPause(std::istringstream& words, std::atomic<int64_t>& pause_ns) {
+  double seconds = -1;
+  words >> seconds;
+  if (!words || !(seconds >= 0 && seconds <= kLongestPauseS)) {
+    return false;
+  }
+  pause_ns = static_cast<int64_t>(seconds * 1e9);
+  return true;
+}
+
+void BeWell(LinkFaults& faults, Joint& joint) {
+  faults.silent = false;
+  faults.exceptions = false;
+  faults.wrong_order = false;
+  faults.delay_ns = 0;
+  faults.dribble_ns = 0;
+  joint.SetEncoderFault(EncoderFault::kNone);
+}
+
+}  // namespace
+
+bool Obey(const std::string& line, LinkFaults& faults, Joint& joint) {
+  std::istringstream words(line);
+  std::string word;
+  words >> word;
+  if (word == "silence") {
+    faults.silent = true;
+  } else if (word == "exceptions") {
+    faults.exceptions = true;
+  } else if (word == "wrong-order") {
+    faults.wrong_order = true;
+  } else if (word == "delay") {
+    return ReadPause(words, faults.delay_ns);
+  } else if (word == "dribble") {
+    return ReadPause(words, faults.dribble_ns);
+  } else if (word == "freeze") {
+    joint.SetEncoderFault(EncoderFault::kFrozen);
+  } else if (word == "jump") {
+    int64_t counts = 0;
+    words >> counts;
+    if (!words) {
+      return false;
+    }
+    joint.JumpEncoder(counts);
+  } else if (word == "well") {
+    BeWell(faults, joint);
+  } else {
+    return false;
+  }
+  return true;
+}
+
+Commands::Commands(boost::asio::io_context& context, LinkFaults& faults, Joint& joint)
+    : input_(context, dup(STDIN_FILENO)), faults_(faults), joint_(joint) {
+  ReadLine();
+}
+
+void Commands::ReadLine() {
+  boost::asio::async_read_until(input_, buffer_, '\n', [this](auto error, std::size_t) {
+    if (error) {
+      return;
+    }
+    std::istream lines(&buffer_);
+    std::string line;
+    std::getline(lines, line);
+    std::cout << (Obey(line, faults_, joint_) ? "ok" : "not understood; --help lists the commands")
+              << std::endl;
+    ReadLine();
+  });
+}
+
+}  // namespace mwidth::device::emulator

@@ -1,0 +1,156 @@
+// mwidth-drive: a drive that is none. Speaks a real drive's protocol in front of a simulated joint and hand.
+#include <sched.h>
+
+#include <CLI/CLI.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <chrono>
+#include <csignal>
+#include <cstdint>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <variant>
+
+#include "device/emulator/commands.h"
+#include "device/emulator/faults.h"
+#include "device/emulator/joint.h"
+#include "device/emulator/modbus_registers.h"
+#include "device/emulator/modbus_tcp_server.h"
+#include "device/hand_motion.h"
+#include "server/config.h"
+
+namespace {
+
+namespace asio = boost::asio;
+namespace device = mwidth::device;
+namespace emulator = mwidth::device::emulator;
+namespace server = mwidth::server;
+using device::modbus::ModbusDriveConfig;
+
+constexpr int kExitFailure = 1;
+constexpr int kExitUsage = 2;
+
+struct CommandLine {
+  std::string config = "modbus";
+  std::string axis;
+  std::string address = "127.0.0.1";
+  uint16_t port = 0;
+  std::string hand_motion;
+  std::optional<int> reach;
+  double watchdog_s = 0.05;
+};
+
+CommandLine Parse(CLI::App& app, int argc, char** argv) {
+  CommandLine line;
+  app.add_option(
+         "--config", line.config,
+         "The server's own configuration: the joint, the hand, and the drive's registers are read from it")
+      ->capture_default_str();
+  app.add_option("--axis", line.axis, "Which of its axes; default: the first");
+  app.add_option("--address", line.address, "Address to listen on")->capture_default_str();
+  app.add_option("--port", line.port, "Port to listen on; 0: any free one, which is printed")
+      ->capture_default_str();
+  app.add_option("--hand-motion", line.hand_motion,
+                 "CSV recording that moves the hand; default: reaches of 30 degrees");
+  app.add_option("--reach", line.reach, "Play only this reach of the recording, from 1")
+      ->needs("--hand-motion");
+  app.add_option("--watchdog", line.watchdog_s,
+                 "Seconds without a request after which the motor is disabled; 0: the drive has no watchdog")
+      ->check(CLI::Range(0.0, 60.0))
+      ->capture_default_str();
+  app.footer(emulator::kCommandsHelp);
+  app.set_version_flag("--version", MWIDTH_VERSION);
+  app.parse(argc, argv);
+  return line;
+}
+
+server::AxisConfig FindAxis(const CommandLine& line) {
+  const server::Config config = server::LoadConfig(server::FindConfig(line.config));
+  for (const server::AxisConfig& axis : config.axes) {
+    if (line.axis.empty() || axis.name == line.axis) {
+      return axis;
+    }
+  }
+  throw server::ConfigError(line.config + ": no axis is called \"" + line.axis + "\"");
+}
+
+std::unique_ptr<device::HandMotion> MakeHand(const CommandLine& line, mwidth::model::AxisKind kind) {
+  if (line.hand_motion.empty()) {
+    return std::make_unique<device::MinimumJerkReach>(device::DefaultReach(kind));
+  }
+  return std::make_unique<device::RecordedMotion>(line.hand_motion, kind, line.reach);
+}
+
+// Time passes for the joint although nobody asks, and its watchdog looks whether somebody does.
+void Turn(asio::steady_timer& timer, emulator::Joint& joint) {
+  timer.expires_after(std::chrono::milliseconds(1));
+  timer.async_wait([&](auto error) {
+    if (error) {
+      return;
+    }
+    if (joint.Turn(std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds(1))) {
+      std::cout << "watchdog: the motor is disabled" << std::endl;
+    }
+    Turn(timer, joint);
+  });
+}
+
+// A drive has a processor of its own, which this one can only ask for: below the priority of the server's
+// loops.
+void AskForPriority() {
+  constexpr sched_param kPriority{.sched_priority = 40};
+  if (sched_setscheduler(0, SCHED_FIFO, &kPriority) != 0) {
+    std::cerr << "answers may come late: no real-time priority (run as root, or raise the limit rtprio)\n";
+  }
+}
+
+void Serve(const CommandLine& line) {
+  const server::AxisConfig axis = FindAxis(line);
+  const auto* modbus = std::get_if<ModbusDriveConfig>(&axis.drive.behind);
+  if (modbus == nullptr) {
+    throw server::ConfigError("axis " + axis.name +
+                              " has a simulated drive already; give a configuration with a real one");
+  }
+  emulator::Joint joint({.plant = axis.loop,
+                         .position_quantum = axis.drive.position_quantum,
+                         .force_quantum = axis.drive.force_quantum,
+                         .watchdog_s = line.watchdog_s},
+                        MakeHand(line, axis.kind));
+  emulator::LinkFaults faults;
+  emulator::ModbusRegisters registers(*modbus, joint, faults);
+  asio::io_context context(1);
+  emulator::ModbusTcpServer tcp(context, line.address, line.port, modbus->link.unit, registers, faults);
+  std::cout << "listening on " << line.address << ":" << tcp.port() << std::endl;
+
+  AskForPriority();
+  asio::signal_set ending(context, SIGINT, SIGTERM);
+  ending.async_wait([&context](auto, int) { context.stop(); });
+  asio::steady_timer timer(context);
+  Turn(timer, joint);
+  emulator::Commands commands(context, faults, joint);
+  context.run();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"mwidth-drive " MWIDTH_VERSION
+               ": a Modbus drive on a simulated joint, with its faults on demand"};
+  try {
+    Serve(Parse(app, argc, argv));
+    return 0;
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kExitUsage;
+  } catch (const server::ConfigError& error) {
+    std::fprintf(stderr, "mwidth-drive: %s\n", error.what());
+    return kExitUsage;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "mwidth-drive: %s\n", error.what());
+    return kExitFailure;
+  }
+}
