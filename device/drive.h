@@ -17,6 +17,17 @@ struct DriveInfo {
   int position_bits = 64;
 };
 
+/// What a drive answers to being enabled.
+enum class Enabling : uint8_t {
+  kEnabled,
+  /// It does not want to, or answers something that nobody understands.
+  kRefused,
+  /// It does not answer.
+  kSilent,
+  /// It would hold its last force for ever, or too long, if nobody spoke to it any more.
+  kNoWatchdog,
+};
+
 /// What a drive answers to a read.
 struct Reading {
   /// False when the drive did not answer with a fresh position; then position_counts means nothing.
@@ -37,8 +48,8 @@ class Drive {
   virtual ~Drive() = default;
 
   virtual DriveInfo Info() const noexcept = 0;
-  /// Lets the motor follow force commands, at zero force. False when the drive refuses. Rt.
-  virtual bool Enable() noexcept = 0;
+  /// Lets the motor follow force commands, at zero force. Rt.
+  virtual Enabling Enable() noexcept = 0;
   /// Takes the force away. Always succeeds as far as the caller can do anything about it. Rt.
   virtual void Disable() noexcept = 0;
   /// Samples the position at the start of `tick`. Ticks rise by one, or by more where the loop missed

@@ -40,10 +40,10 @@ DriveInfo SimulatedDrive::Info() const noexcept {
           .simulated = true};
 }
 
-bool SimulatedDrive::Enable() noexcept {
+Enabling SimulatedDrive::Enable() noexcept {
   simulation_.Command(0);
   enabled_ = true;
-  return true;
+  return Enabling::kEnabled;
 }
 
 void SimulatedDrive::Disable() noexcept {

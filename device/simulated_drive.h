@@ -32,7 +32,7 @@ class SimulatedDrive final : public Drive {
 
   DriveInfo Info() const noexcept override;
   /// Rt.
-  bool Enable() noexcept override;
+  Enabling Enable() noexcept override;
   /// Rt.
   void Disable() noexcept override;
   /// Steps to `tick`, the force last written held. Fails after a gap that is too long, where ticks do not

@@ -125,14 +125,13 @@ void Serve(const CommandLine& line) {
   emulator::ModbusRegisters registers(*modbus, joint, faults);
   asio::io_context context(1);
   emulator::ModbusTcpServer tcp(context, line.address, line.port, modbus->link.unit, registers, faults);
-  std::cout << "listening on " << line.address << ":" << tcp.port() << std::endl;
-
   AskForPriority();
   asio::signal_set ending(context, SIGINT, SIGTERM);
   ending.async_wait([&context](auto, int) { context.stop(); });
   asio::steady_timer timer(context);
   Turn(timer, joint);
   emulator::Commands commands(context, faults, joint);
+  std::cout << "listening on " << line.address << ":" << tcp.port() << std::endl;
   context.run();
 }
 

@@ -23,24 +23,31 @@ double Quantum(const RegisterValue& value, double of_a_float) noexcept {
   return value.type == RegisterType::kFloat32 ? of_a_float : std::abs(value.scale);
 }
 
+// Whole numbers come from a counter that wraps.
+int BitsOf(const RegisterValue& position) noexcept {
+  constexpr int kAll = 64;
+  return position.type == RegisterType::kFloat32 ? kAll : position.CounterBits();
+}
+
 DriveInfo InfoOf(const ModbusDriveConfig& config) noexcept {
   return {.position_quantum = Quantum(config.map.position, config.position_quantum),
           .force_quantum = Quantum(config.map.force, config.force_quantum),
-          .simulated = false};
+          .simulated = false,
+          .position_bits = BitsOf(config.map.position)};
 }
 
-ArmingRefusal RefusalOf(Outcome outcome) noexcept {
+Enabling EnablingOf(Outcome outcome) noexcept {
   switch (outcome) {
     case Outcome::kAnswered:
-      return ArmingRefusal::kNone;
+      return Enabling::kEnabled;
     case Outcome::kException:
     case Outcome::kMalformed:
-      return ArmingRefusal::kUnexpectedAnswer;
+      return Enabling::kRefused;
     case Outcome::kSilent:
     case Outcome::kDisconnected:
       break;
   }
-  return ArmingRefusal::kSilent;
+  return Enabling::kSilent;
 }
 
 }  // namespace
@@ -99,50 +106,50 @@ Outcome ModbusDrive::PutEnabled(bool enabled) noexcept {
   return Put(enable->address, word);
 }
 
-ArmingRefusal ModbusDrive::CheckWatchdog() noexcept {
+Enabling ModbusDrive::CheckWatchdog() noexcept {
   if (config_.without_watchdog) {
-    return ArmingRefusal::kNone;
+    return Enabling::kEnabled;
   }
   const auto& watchdog = config_.map.watchdog;
   if (!watchdog) {
-    return ArmingRefusal::kNoWatchdog;
+    return Enabling::kNoWatchdog;
   }
   Words words{};
   const RegisterValue& timeout = watchdog->timeout;
   if (const Outcome outcome = Ask(ReadRegisters(timeout.address, timeout.Registers()), words);
       outcome != Outcome::kAnswered) {
-    return RefusalOf(outcome);
+    return EnablingOf(outcome);
   }
   const double timeout_s = Decode(timeout, words) * timeout.scale + timeout.offset;
   if (const Outcome outcome = Ask(ReadRegisters(watchdog->reaction, 1), words);
       outcome != Outcome::kAnswered) {
-    return RefusalOf(outcome);
+    return EnablingOf(outcome);
   }
   // Written so that a time-out that is no number is weak.
   const bool reacts = timeout_s > 0 && timeout_s <= kMaxWatchdogS && words[0] != watchdog->no_reaction;
-  return reacts ? ArmingRefusal::kNone : ArmingRefusal::kWeakWatchdog;
+  return reacts ? Enabling::kEnabled : Enabling::kNoWatchdog;
 }
 
-ArmingRefusal ModbusDrive::Arm() noexcept {
-  if (const ArmingRefusal refusal = CheckWatchdog(); refusal != ArmingRefusal::kNone) {
+Enabling ModbusDrive::Arm() noexcept {
+  if (const Enabling refusal = CheckWatchdog(); refusal != Enabling::kEnabled) {
     return refusal;
   }
   if (const Outcome outcome = PutForce(0); outcome != Outcome::kAnswered) {
-    return RefusalOf(outcome);
+    return EnablingOf(outcome);
   }
-  return RefusalOf(PutEnabled(true));
+  return EnablingOf(PutEnabled(true));
 }
 
-bool ModbusDrive::Enable() noexcept {
+Enabling ModbusDrive::Enable() noexcept {
   arming_ = true;
-  refusal_ = Arm();
+  const Enabling enabling = Arm();
   arming_ = false;
-  enabled_ = refusal_ == ArmingRefusal::kNone;
+  enabled_ = enabling == Enabling::kEnabled;
   force_counts_ = 0;
   if (!enabled_) {
     PutEnabled(false);
   }
-  return enabled_;
+  return enabling;
 }
 
 void ModbusDrive::Disable() noexcept {
@@ -161,7 +168,7 @@ Reading ModbusDrive::PositionOf(std::span<const uint16_t> words) const noexcept 
   if (!(std::abs(counts) < kLargest)) {
     return {};
   }
-  return {.ok = true, .position_counts = std::llround(counts)};
+  return {.ok = true, .position_counts = static_cast<int64_t>(std::floor(counts + 0.5))};
 }
 
 Reading ModbusDrive::Read(uint64_t /*tick*/) noexcept {

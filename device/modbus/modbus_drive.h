@@ -17,19 +17,6 @@
 
 namespace mwidth::device::modbus {
 
-/// Why a drive was not armed.
-enum class ArmingRefusal : uint8_t {
-  kNone,
-  /// It does not answer, or the connection is gone.
-  kSilent,
-  /// It answered with an exception or with something else.
-  kUnexpectedAnswer,
-  /// Its map names no watchdog.
-  kNoWatchdog,
-  /// Its watchdog reacts with nothing, not at all, or after more than kMaxWatchdogS.
-  kWeakWatchdog,
-};
-
 /// The loop's thread exchanges with the drive; a connection that is lost is made again by a thread of its
 /// own, which also takes the force away before it hands the drive back. All Rt but the constructor, the
 /// destructor and what says so.
@@ -45,9 +32,7 @@ class ModbusDrive final : public Drive {
 
   DriveInfo Info() const noexcept override;
   /// Reads the watchdog back, writes a force of zero, then the enable register: up to four exchanges.
-  bool Enable() noexcept override;
-  /// Why the last Enable failed. The loop's thread.
-  ArmingRefusal refusal() const noexcept { return refusal_; }
+  Enabling Enable() noexcept override;
   void Disable() noexcept override;
   Reading Read(uint64_t tick) noexcept override;
   bool Write(int32_t force_counts) noexcept override;
@@ -64,8 +49,8 @@ class ModbusDrive final : public Drive {
   Outcome Put(uint16_t address, std::span<const uint16_t> words) noexcept;
   Outcome PutForce(int32_t force_counts) noexcept;
   Outcome PutEnabled(bool enabled) noexcept;
-  ArmingRefusal Arm() noexcept;
-  ArmingRefusal CheckWatchdog() noexcept;
+  Enabling Arm() noexcept;
+  Enabling CheckWatchdog() noexcept;
   Words ForceWords(int32_t force_counts) const noexcept;
   Reading PositionOf(std::span<const uint16_t> words) const noexcept;
   /// Not Rt.
@@ -81,7 +66,6 @@ class ModbusDrive final : public Drive {
   bool arming_ = false;
   bool answered_ = false;
   int32_t force_counts_ = 0;
-  ArmingRefusal refusal_ = ArmingRefusal::kNone;
 
   std::atomic<bool> lost_{false};
   std::mutex mutex_;

@@ -38,7 +38,7 @@ struct RegisterValue {
 
   /// Registers that it takes, 1 or 2.
   std::size_t Registers() const noexcept;
-  /// Bits of a counter of this type; 0 for float32, which does not wrap.
+  /// Bits of a counter of this type; 0 for float32, which is none.
   int CounterBits() const noexcept;
   /// Smallest and largest raw value.
   double RawMin() const noexcept;

@@ -20,6 +20,7 @@ enum class Fault : uint8_t {
   kVelocityLimit,
   kOverrun,
   kDriveRefused,
+  kNoDriveWatchdog,
   kForceSaturation,
   kForceSlew,
   kEncoderJump,

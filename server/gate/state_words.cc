@@ -44,6 +44,11 @@ std::string FaultMessage(const exchange::FaultRecord& fault) {
     case exchange::Fault::kDriveRefused:
       return "The drive could not be enabled. Check its power, its emergency circuit and its own fault "
              "display, then clear the fault.";
+    case exchange::Fault::kNoDriveWatchdog:
+      return "The drive has no watchdog that takes the force away within 0.1 s when nobody speaks to it: set "
+             "its "
+             "communication time-out and a reaction to it, or configure without_watchdog, then clear the "
+             "fault.";
     case exchange::Fault::kForceSaturation:
       return "The force was cut at its limit for " + value + " s of the watched window, of which " + limit +
              " s are allowed: the loop was not the one that was certified. Ask for a smaller mass or slower "

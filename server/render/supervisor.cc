@@ -30,6 +30,7 @@ bool LeavesEstimateSound(Fault fault) noexcept {
     case Fault::kOverrun:
     case Fault::kRepeatedOverrun:
     case Fault::kDriveRefused:
+    case Fault::kNoDriveWatchdog:
     case Fault::kEncoderJump:
     case Fault::kEncoderFreeze:
     // What grows goes on growing through a ramp.
@@ -98,9 +99,25 @@ void Supervisor::Obey(const Settings& settings, const Observation& seen) noexcep
   }
 }
 
+bool Supervisor::Enable() noexcept {
+  switch (drive_.Enable()) {
+    case device::Enabling::kEnabled:
+      return true;
+    case device::Enabling::kRefused:
+      Trip(Fault::kDriveRefused, 0, 0);
+      break;
+    case device::Enabling::kSilent:
+      Trip(Fault::kDriveSilent, 1, 0);
+      break;
+    case device::Enabling::kNoWatchdog:
+      Trip(Fault::kNoDriveWatchdog, 0, 0);
+      break;
+  }
+  return false;
+}
+
 void Supervisor::Begin(const Settings& settings, const exchange::Filter& running) noexcept {
-  if (!enabled_ && !drive_.Enable()) {
-    Trip(Fault::kDriveRefused, 0, 0);
+  if (!enabled_ && !Enable()) {
     return;
   }
   enabled_ = true;

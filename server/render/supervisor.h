@@ -71,6 +71,8 @@ class Supervisor {
 
  private:
   void Obey(const exchange::Settings& settings, const Observation& seen) noexcept;
+  /// Switches the drive on; trips where it does not want to.
+  bool Enable() noexcept;
   void Begin(const exchange::Settings& settings, const exchange::Filter& running) noexcept;
   /// Ramps to what is set. `running` is the filter that runs: a mass that is admitted for another one waits.
   void Follow(const exchange::Settings& settings, const exchange::Filter& running) noexcept;

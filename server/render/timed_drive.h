@@ -25,9 +25,9 @@ class TimedDrive final : public device::Drive {
   TimedDrive(device::Drive& drive, const exchange::Clock& clock) noexcept : drive_(drive), clock_(clock) {}
 
   device::DriveInfo Info() const noexcept override { return drive_.Info(); }
-  bool Enable() noexcept override {
+  device::Enabling Enable() noexcept override {
     const int64_t begin_ns = clock_.NowNs();
-    const bool enabled = drive_.Enable();
+    const device::Enabling enabled = drive_.Enable();
     times_.io_ns += clock_.NowNs() - begin_ns;
     return enabled;
   }

@@ -30,6 +30,8 @@ v1::FaultKind Kind(exchange::Fault fault) {
       return v1::FAULT_KIND_OVERRUN;
     case exchange::Fault::kDriveRefused:
       return v1::FAULT_KIND_DRIVE_REFUSED;
+    case exchange::Fault::kNoDriveWatchdog:
+      return v1::FAULT_KIND_NO_DRIVE_WATCHDOG;
     case exchange::Fault::kForceSaturation:
       return v1::FAULT_KIND_FORCE_SATURATION;
     case exchange::Fault::kForceSlew:

@@ -62,7 +62,7 @@ TEST(SimulatedDrive, ReadsTheModelsPositionInWholeCounts) {
   model::HybridSimulation model(PaperDrive().loop);
   const std::unique_ptr<HandMotion> hand = Reach();
   model.Reset(hand->PositionAt(0), 0, hand->PositionAt(0));
-  ASSERT_TRUE(drive.Enable());
+  ASSERT_EQ(drive.Enable(), Enabling::kEnabled);
   for (uint64_t tick = 0; tick < 1500; ++tick) {
     const Reading reading = drive.Read(1000 + tick);
     ASSERT_TRUE(reading.ok);
@@ -160,9 +160,9 @@ TEST(SimulatedDrive, RefusesParametersOutOfRange) {
 TEST(FaultyDrive, FailsAsToldAndOnlyThen) {
   FaultyDrive drive(DriveOfStillHand(0.01));
   drive.RefuseEnable(true);
-  EXPECT_FALSE(drive.Enable());
+  EXPECT_EQ(drive.Enable(), Enabling::kRefused);
   drive.RefuseEnable(false);
-  EXPECT_TRUE(drive.Enable());
+  EXPECT_EQ(drive.Enable(), Enabling::kEnabled);
   EXPECT_EQ(drive.Read(0).position_counts, 1000);
   drive.SilenceReads(2);
   EXPECT_FALSE(drive.Read(1).ok);

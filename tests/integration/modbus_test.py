@@ -157,6 +157,7 @@ class ModbusTest(unittest.TestCase):
                     server.start(server.acquire())
                 self.assertEqual(caught.exception.code(), grpc.StatusCode.FAILED_PRECONDITION)
                 self.assertRegex(caught.exception.details(), "watchdog")
+                self.assertEqual(server.state().fault.kind, rendering.FAULT_KIND_NO_DRIVE_WATCHDOG)
                 self.assertEqual(drive.register(ENABLE), 0)
 
     def test_a_drive_has_one_server(self):

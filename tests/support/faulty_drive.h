@@ -26,7 +26,7 @@ class FaultyDrive final : public Drive {
   void RefuseWrites(uint64_t writes) { refused_writes_ = writes; }
 
   DriveInfo Info() const noexcept override { return drive_->Info(); }
-  bool Enable() noexcept override { return !enable_refused_ && drive_->Enable(); }
+  Enabling Enable() noexcept override { return enable_refused_ ? Enabling::kRefused : drive_->Enable(); }
   void Disable() noexcept override { drive_->Disable(); }
 
   Reading Read(uint64_t tick) noexcept override {

@@ -26,7 +26,7 @@ class ReplayDrive final : public device::Drive {
   device::DriveInfo Info() const noexcept override {
     return {.position_quantum = kQuantum, .force_quantum = 1e-3, .simulated = true};
   }
-  bool Enable() noexcept override { return true; }
+  device::Enabling Enable() noexcept override { return device::Enabling::kEnabled; }
   void Disable() noexcept override {}
   device::Reading Read(uint64_t tick) noexcept override {
     return {.ok = true, .position_counts = counts_[tick % counts_.size()]};

@@ -90,12 +90,13 @@ TEST_F(ModbusDriveTest, ReadsPositionsAndWritesForcesInCounts) {
   ModbusDrive drive(Config());
   EXPECT_DOUBLE_EQ(drive.Info().position_quantum, 1e-4);
   EXPECT_DOUBLE_EQ(drive.Info().force_quantum, 0.01);
+  EXPECT_EQ(drive.Info().position_bits, 32);
   EXPECT_FALSE(drive.Info().simulated);
   SetPosition(-123'456);
   const Reading reading = drive.Read(1);
   EXPECT_TRUE(reading.ok);
   EXPECT_EQ(reading.position_counts, -123'456);
-  ASSERT_TRUE(drive.Enable());
+  ASSERT_EQ(drive.Enable(), Enabling::kEnabled);
   EXPECT_EQ(registers.Get(kEnable), 1);
   // The paper's force acts against the positive direction.
   EXPECT_TRUE(drive.Write(250));
@@ -113,7 +114,7 @@ TEST_F(ModbusDriveTest, CountsTheOtherWayWhereTheScalesAreNegative) {
   ModbusDrive drive(config);
   SetPosition(1000);
   EXPECT_EQ(drive.Read(1).position_counts, 4000);
-  ASSERT_TRUE(drive.Enable());
+  ASSERT_EQ(drive.Enable(), Enabling::kEnabled);
   drive.Write(250);
   EXPECT_EQ(static_cast<int16_t>(registers.Get(kForce)), 250);
 }
@@ -122,7 +123,7 @@ TEST_F(ModbusDriveTest, InOneRequestTheForceIsThatOfTheTickBefore) {
   ModbusDriveConfig config = Config();
   config.exchange = TickExchange::kReadWrite;
   ModbusDrive drive(config);
-  ASSERT_TRUE(drive.Enable());
+  ASSERT_EQ(drive.Enable(), Enabling::kEnabled);
   const int before = registers.requests();
   EXPECT_TRUE(drive.Read(1).ok);
   EXPECT_TRUE(drive.Write(30));
@@ -135,17 +136,15 @@ TEST_F(ModbusDriveTest, InOneRequestTheForceIsThatOfTheTickBefore) {
 TEST_F(ModbusDriveTest, IsNotArmedWithoutAWatchdogThatReacts) {
   ModbusDrive drive(Config());
   registers.Set(kTimeout, 101);
-  EXPECT_FALSE(drive.Enable());
-  EXPECT_EQ(drive.refusal(), ArmingRefusal::kWeakWatchdog);
+  EXPECT_EQ(drive.Enable(), Enabling::kNoWatchdog);
   registers.Set(kTimeout, 0);
-  EXPECT_FALSE(drive.Enable());
+  EXPECT_EQ(drive.Enable(), Enabling::kNoWatchdog);
   registers.Set(kTimeout, 100);
   registers.Set(kReaction, 0);
-  EXPECT_FALSE(drive.Enable());
-  EXPECT_EQ(drive.refusal(), ArmingRefusal::kWeakWatchdog);
+  EXPECT_EQ(drive.Enable(), Enabling::kNoWatchdog);
   EXPECT_EQ(registers.Get(kEnable), 0);
   registers.Set(kReaction, 1);
-  EXPECT_TRUE(drive.Enable());
+  EXPECT_EQ(drive.Enable(), Enabling::kEnabled);
 }
 
 TEST_F(ModbusDriveTest, IsArmedWithoutOneOnlyWhereThatIsConfigured) {
@@ -153,20 +152,18 @@ TEST_F(ModbusDriveTest, IsArmedWithoutOneOnlyWhereThatIsConfigured) {
   config.map.watchdog.reset();
   {
     ModbusDrive drive(config);
-    EXPECT_FALSE(drive.Enable());
-    EXPECT_EQ(drive.refusal(), ArmingRefusal::kNoWatchdog);
+    EXPECT_EQ(drive.Enable(), Enabling::kNoWatchdog);
   }
   config.without_watchdog = true;
   ModbusDrive drive(config);
-  EXPECT_TRUE(drive.Enable());
+  EXPECT_EQ(drive.Enable(), Enabling::kEnabled);
 }
 
 TEST_F(ModbusDriveTest, ARegisterThatIsNotThereIsTold) {
   ModbusDriveConfig config = Config();
   config.map.watchdog->reaction = 999;
   ModbusDrive drive(config);
-  EXPECT_FALSE(drive.Enable());
-  EXPECT_EQ(drive.refusal(), ArmingRefusal::kUnexpectedAnswer);
+  EXPECT_EQ(drive.Enable(), Enabling::kRefused);
   EXPECT_EQ(drive.counters().exceptions, 1);
 }
 
@@ -177,8 +174,7 @@ TEST_F(ModbusDriveTest, ASilentDriveIsSilentInReadAndWrite) {
   registers.FallSilent(true);
   EXPECT_FALSE(drive.Read(1).ok);
   EXPECT_FALSE(drive.Write(1));
-  EXPECT_FALSE(drive.Enable());
-  EXPECT_EQ(drive.refusal(), ArmingRefusal::kSilent);
+  EXPECT_EQ(drive.Enable(), Enabling::kSilent);
   registers.FallSilent(false);
   EXPECT_TRUE(drive.Read(2).ok);
 }
@@ -198,7 +194,7 @@ TEST_F(ModbusDriveTest, APositionThatIsNoNumberIsNoReading) {
 
 TEST_F(ModbusDriveTest, ALostConnectionComesBackDisabled) {
   ModbusDrive drive(Config());
-  ASSERT_TRUE(drive.Enable());
+  ASSERT_EQ(drive.Enable(), Enabling::kEnabled);
   ASSERT_TRUE(drive.Write(100));
   hang_up = true;
   EXPECT_FALSE(drive.Read(1).ok);
@@ -209,7 +205,7 @@ TEST_F(ModbusDriveTest, ALostConnectionComesBackDisabled) {
   }
   EXPECT_EQ(registers.Get(kForce), 0);
   EXPECT_EQ(registers.Get(kEnable), 0);
-  EXPECT_TRUE(drive.Enable());
+  EXPECT_EQ(drive.Enable(), Enabling::kEnabled);
 }
 
 TEST_F(ModbusDriveTest, ThatTakesNoForceIsNotServed) {

@@ -23,9 +23,10 @@ TEST(StateWords, SayForEveryFaultWhatToDo) {
   std::set<std::string> messages;
   for (const Fault fault :
        {Fault::kEmergencyStop, Fault::kDriveSilent, Fault::kNotFinite, Fault::kPositionLimit,
-        Fault::kVelocityLimit, Fault::kOverrun, Fault::kDriveRefused, Fault::kForceSaturation,
-        Fault::kForceSlew, Fault::kEncoderJump, Fault::kEncoderFreeze, Fault::kRepeatedOverrun,
-        Fault::kLoopDelay, Fault::kPositionGaps, Fault::kGrowingOscillation, Fault::kEnergyExcess}) {
+        Fault::kVelocityLimit, Fault::kOverrun, Fault::kDriveRefused, Fault::kNoDriveWatchdog,
+        Fault::kForceSaturation, Fault::kForceSlew, Fault::kEncoderJump, Fault::kEncoderFreeze,
+        Fault::kRepeatedOverrun, Fault::kLoopDelay, Fault::kPositionGaps, Fault::kGrowingOscillation,
+        Fault::kEnergyExcess}) {
     const std::string message = FaultMessage({.fault = fault, .number = 1});
     EXPECT_THAT(message, HasSubstr("then clear the fault."));
     messages.insert(message);

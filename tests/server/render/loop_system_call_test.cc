@@ -76,7 +76,7 @@ class FilteringDrive final : public device::Drive {
   explicit FilteringDrive(std::function<void()> also = [] {}) : also_(std::move(also)) {}
 
   device::DriveInfo Info() const noexcept override { return drive_.Info(); }
-  bool Enable() noexcept override { return drive_.Enable(); }
+  device::Enabling Enable() noexcept override { return drive_.Enable(); }
   void Disable() noexcept override {
     drive_.Disable();
     calls_at_last_disable = stray_calls.load();

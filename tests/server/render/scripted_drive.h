@@ -10,11 +10,11 @@ namespace mwidth::render {
 class ScriptedDrive final : public device::Drive {
  public:
   device::DriveInfo Info() const noexcept override { return info; }
-  bool Enable() noexcept override {
+  device::Enabling Enable() noexcept override {
     ++enables;
     enabled = accepts_enable;
     acting_counts = 0;
-    return enabled;
+    return enabled ? device::Enabling::kEnabled : refusal;
   }
   void Disable() noexcept override {
     ++disables;
@@ -40,6 +40,7 @@ class ScriptedDrive final : public device::Drive {
   bool answers_reads = true;
   bool takes_writes = true;
   bool accepts_enable = true;
+  device::Enabling refusal = device::Enabling::kRefused;
 
   // What was asked of it, and the force that the motor now makes.
   bool enabled = false;

@@ -119,6 +119,21 @@ TEST(SupervisorFaultTest, LatchesAFaultWhoseNumberWasClearedBeforeItCame) {
   EXPECT_EQ(axis.status.fault.number, 8);
 }
 
+TEST(SupervisorFaultTest, TellsWhyADriveIsNotEnabled) {
+  const std::pair<device::Enabling, Fault> reasons[] = {
+      {device::Enabling::kSilent, Fault::kDriveSilent},
+      {device::Enabling::kNoWatchdog, Fault::kNoDriveWatchdog}};
+  for (const auto& [refusal, fault] : reasons) {
+    Axis axis;
+    axis.drive.accepts_enable = false;
+    axis.drive.refusal = refusal;
+    axis.Start(kMass, 0);
+    axis.Run();
+    EXPECT_EQ(axis.status.fault.fault, fault);
+    ExpectSafe(axis);
+  }
+}
+
 TEST(SupervisorFaultTest, FaultsWhereTheDriveRefusesToBeEnabled) {
   Axis axis;
   axis.drive.accepts_enable = false;

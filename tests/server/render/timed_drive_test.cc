@@ -21,7 +21,7 @@ class SlowDrive final : public device::Drive {
  public:
   explicit SlowDrive(HandClock& clock) : clock_(clock) {}
   device::DriveInfo Info() const noexcept override { return drive.Info(); }
-  bool Enable() noexcept override {
+  device::Enabling Enable() noexcept override {
     clock_.now_ns += 1000;
     return drive.Enable();
   }
@@ -68,7 +68,7 @@ TEST_F(TimedDriveTest, MeasuresTheCallsAndTheDelayAcrossThem) {
 }
 
 TEST_F(TimedDriveTest, CountsEnablingAndDisablingAsCalls) {
-  EXPECT_TRUE(timed.Enable());
+  EXPECT_EQ(timed.Enable(), device::Enabling::kEnabled);
   timed.Disable();
   EXPECT_EQ(timed.TakeTimes().io_ns, 1500);
   EXPECT_EQ(slow.drive.enables, 1);
@@ -97,7 +97,7 @@ TEST_F(TimedDriveTest, PassesTheDriveOnAsItIs) {
   slow.drive.position_counts = 17;
   EXPECT_EQ(timed.Read(1).position_counts, 17);
   slow.drive.accepts_enable = false;
-  EXPECT_FALSE(timed.Enable());
+  EXPECT_EQ(timed.Enable(), device::Enabling::kRefused);
   slow.drive.takes_writes = false;
   EXPECT_FALSE(timed.Write(1));
 }
