@@ -93,7 +93,7 @@ class EmulatedDriveTest(unittest.TestCase):
                 if kinds == [SILENT]:
                     # From the first tick without an answer: two on the last estimate, zero by the fifth.
                     first = list(samples.position_stale).index(True)
-                    self.assertEqual(set(list(samples.force_counts)[first + 4:]), {0})
+                    self.assertFalse(any(list(samples.force_counts)[first + 4:]))
 
     def test_a_killed_server_leaves_the_drive_to_its_watchdog(self):
         drive = self.stack.enter_context(Emulator())

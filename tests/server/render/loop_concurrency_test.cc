@@ -25,7 +25,7 @@ constexpr double kLargestMass = 0.4;
 class SwingingDrive final : public device::Drive {
  public:
   device::DriveInfo Info() const noexcept override { return drive_.Info(); }
-  bool Enable() noexcept override { return drive_.Enable(); }
+  device::Enabling Enable() noexcept override { return drive_.Enable(); }
   void Disable() noexcept override { drive_.Disable(); }
   device::Reading Read(uint64_t tick) noexcept override {
     drive_.position_counts = std::llround(1e5 * (1 - std::cos(0.012 * static_cast<double>(tick))));

@@ -135,7 +135,8 @@ class RandomAxis {
       drive.answers_reads = intermittent_ticks_ % 2 == 0;
     }
     drive.takes_writes = drive.takes_writes ? !Chance(0.005) : Chance(0.4);
-    drive.accepts_enable = !Chance(0.1);
+    drive.accepts_enable = !Chance(0.15);
+    drive.refusal = Chance(0.5) ? device::Enabling::kRefused : device::Enabling::kNoWatchdog;
   }
 
   // A swing of 1 m/s and 10 m/s^2, that now and then drifts or slips out of the limits, jumps, or freezes.

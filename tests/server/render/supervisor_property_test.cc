@@ -98,7 +98,7 @@ class History {
   }
 
   std::array<uint64_t, 4> seen_states{};
-  std::array<uint64_t, 15> seen_faults{};
+  std::array<uint64_t, 16> seen_faults{};
   uint64_t full_rampings = 0;
   uint64_t rendered_with_another_filter = 0;
 
