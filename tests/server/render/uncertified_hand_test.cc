@@ -50,9 +50,10 @@ class Random {
   std::unique_ptr<device::HandMotion> Reach(const server::AxisConfig& axis) {
     const double middle = axis.kind == model::AxisKind::kRotary ? 1.2 : 0.0;
     const double side = Between(0, 1) < 0.5 ? -1 : 1;
+    const auto& shipped = std::get<server::HandMotionConfig>(axis.drive.behind);
     return std::make_unique<device::MinimumJerkReach>(
         device::ReachParameters{.start_position = middle,
-                                .amplitude = side * Between(0.5, 1) * axis.drive.hand_motion.amplitude,
+                                .amplitude = side * Between(0.5, 1) * shipped.amplitude,
                                 .duration_s = Between(0.7, 1.2),
                                 .hold_s = Between(0.3, 1.5)});
   }
