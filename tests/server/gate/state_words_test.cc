@@ -31,7 +31,7 @@ TEST(StateWords, SayForEveryFaultWhatToDo) {
     EXPECT_THAT(message, HasSubstr("then clear the fault."));
     messages.insert(message);
   }
-  EXPECT_EQ(messages.size(), 16U);
+  EXPECT_EQ(messages.size(), 17U);
   EXPECT_EQ(FaultMessage({}), "");
 }
 
