@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <utility>
 
 namespace mwidth::device::emulator {
@@ -69,7 +70,7 @@ bool ModbusRegisters::ReadWord(uint16_t address, int64_t now_ns, uint16_t& word)
 }
 
 // Only whole values: half of a force would be one that nobody asked for.
-bool ModbusRegisters::WriteWords(uint16_t address, std::span<const uint8_t> bytes, int64_t now_ns) {
+uint8_t ModbusRegisters::WriteWords(uint16_t address, std::span<const uint8_t> bytes, int64_t now_ns) {
   const modbus::DriveMap& map = config_.map;
   if (address == map.force.address && bytes.size() == 2 * map.force.Registers()) {
     std::array<uint16_t, modbus::kMaxValueRegisters> words{};
@@ -77,17 +78,22 @@ bool ModbusRegisters::WriteWords(uint16_t address, std::span<const uint8_t> byte
       words.at(i) = Word(bytes, 2 * i);
     }
     const double force = Decode(map.force, words) * map.force.scale + map.force.offset;
+    const double counts = std::round(force / config_.force_quantum);
+    // Not so for what is no number.
+    if (!(std::abs(counts) <= std::numeric_limits<int32_t>::max())) {
+      return kIllegalValue;
+    }
     if (!map.enable) {
       joint_.SetEnabled(now_ns, true);
     }
-    joint_.SetForce(now_ns, static_cast<int32_t>(std::lround(force / config_.force_quantum)));
-    return true;
+    joint_.SetForce(now_ns, static_cast<int32_t>(counts));
+    return 0;
   }
   if (map.enable && address == map.enable->address && bytes.size() == 2) {
     joint_.SetEnabled(now_ns, Word(bytes, 0) == map.enable->enabled);
-    return true;
+    return 0;
   }
-  return false;
+  return kIllegalAddress;
 }
 
 Bytes ModbusRegisters::Read(std::span<const uint8_t> request, int64_t now_ns) {
@@ -110,8 +116,8 @@ Bytes ModbusRegisters::Read(std::span<const uint8_t> request, int64_t now_ns) {
 }
 
 Bytes ModbusRegisters::WriteOne(std::span<const uint8_t> request, int64_t now_ns) {
-  return WriteWords(Word(request, 1), request.subspan(3, 2), now_ns) ? Bytes(request.begin(), request.end())
-                                                                     : Exception(request[0], kIllegalAddress);
+  const uint8_t refusal = WriteWords(Word(request, 1), request.subspan(3, 2), now_ns);
+  return refusal == 0 ? Bytes(request.begin(), request.end()) : Exception(request[0], refusal);
 }
 
 Bytes ModbusRegisters::WriteMany(std::span<const uint8_t> request, int64_t now_ns) {
@@ -120,9 +126,8 @@ Bytes ModbusRegisters::WriteMany(std::span<const uint8_t> request, int64_t now_n
       Word(request, 3) * 2 != request[5]) {
     return Exception(request[0], kIllegalValue);
   }
-  return WriteWords(Word(request, 1), request.subspan(kHeader), now_ns)
-             ? Bytes(request.begin(), request.begin() + 5)
-             : Exception(request[0], kIllegalAddress);
+  const uint8_t refusal = WriteWords(Word(request, 1), request.subspan(kHeader), now_ns);
+  return refusal == 0 ? Bytes(request.begin(), request.begin() + 5) : Exception(request[0], refusal);
 }
 
 Bytes ModbusRegisters::ReadWrite(std::span<const uint8_t> request, int64_t now_ns) {
@@ -131,9 +136,8 @@ Bytes ModbusRegisters::ReadWrite(std::span<const uint8_t> request, int64_t now_n
       Word(request, 7) * 2 != request[9]) {
     return Exception(request[0], kIllegalValue);
   }
-  return WriteWords(Word(request, 5), request.subspan(kHeader), now_ns)
-             ? Read(request, now_ns)
-             : Exception(request[0], kIllegalAddress);
+  const uint8_t refusal = WriteWords(Word(request, 5), request.subspan(kHeader), now_ns);
+  return refusal == 0 ? Read(request, now_ns) : Exception(request[0], refusal);
 }
 
 Bytes ModbusRegisters::Answer(std::span<const uint8_t> request, int64_t now_ns) {

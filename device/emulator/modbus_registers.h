@@ -28,7 +28,8 @@ class ModbusRegisters {
   using Bytes = std::vector<uint8_t>;
 
   bool ReadWord(uint16_t address, int64_t now_ns, uint16_t& word);
-  bool WriteWords(uint16_t address, std::span<const uint8_t> bytes, int64_t now_ns);
+  /// The code of the exception; 0 where the value was taken.
+  uint8_t WriteWords(uint16_t address, std::span<const uint8_t> bytes, int64_t now_ns);
   Bytes Read(std::span<const uint8_t> request, int64_t now_ns);
   Bytes WriteOne(std::span<const uint8_t> request, int64_t now_ns);
   Bytes WriteMany(std::span<const uint8_t> request, int64_t now_ns);
