@@ -3,7 +3,6 @@
 #include <cmath>
 #include <sstream>
 #include <string>
-#include <utility>
 
 #include "server/config_modbus.h"
 
@@ -42,10 +41,9 @@ DriveConfig ReadDrive(ConfigTable drive, const std::filesystem::path& folder,
   if (type == "simulated") {
     read = ReadSimulated(drive, folder);
   } else {
-    auto modbus = ReadModbusDrive(drive, type == "modbus-tcp", loop, force_limit);
-    read = {.position_quantum = modbus.position_quantum,
-            .force_quantum = modbus.force_quantum,
-            .behind = std::move(modbus)};
+    const auto modbus = ReadModbusDrive(drive, type == "modbus-tcp", loop, force_limit);
+    read = {
+        .position_quantum = modbus.position_quantum, .force_quantum = modbus.force_quantum, .behind = modbus};
   }
   // A force count crosses to the drive as 32 bits.
   if (force_limit / read.force_quantum > 2e9) {

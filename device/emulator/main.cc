@@ -135,9 +135,8 @@ void Serve(const CommandLine& line) {
   context.run();
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+// The whole program, but for failures.
+int Run(int argc, char** argv) {
   CLI::App app{"mwidth-drive " MWIDTH_VERSION
                ": a Modbus drive on a simulated joint, with its faults on demand"};
   try {
@@ -146,8 +145,16 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kExitUsage;
   } catch (const server::ConfigError& error) {
-    std::fprintf(stderr, "mwidth-drive: %s\n", error.what());
+    std::cerr << "mwidth-drive: " << error.what() << '\n';
     return kExitUsage;
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return Run(argc, argv);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "mwidth-drive: %s\n", error.what());
     return kExitFailure;

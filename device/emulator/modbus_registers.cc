@@ -36,9 +36,8 @@ std::size_t PlaceIn(const RegisterValue& value, uint16_t address) {
 
 }  // namespace
 
-ModbusRegisters::ModbusRegisters(const modbus::ModbusDriveConfig& config, Joint& joint,
-                                 const LinkFaults& faults)
-    : config_(config), joint_(joint), faults_(faults) {}
+ModbusRegisters::ModbusRegisters(modbus::ModbusDriveConfig config, Joint& joint, const LinkFaults& faults)
+    : config_(std::move(config)), joint_(joint), faults_(faults) {}
 
 std::array<uint16_t, modbus::kMaxValueRegisters> ModbusRegisters::Coded(const RegisterValue& value,
                                                                         double quantity) const {

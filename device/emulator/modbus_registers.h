@@ -19,7 +19,7 @@ class ModbusRegisters {
   static constexpr uint16_t kDisables = 1;
 
   /// `joint` and `faults` outlive it.
-  ModbusRegisters(const modbus::ModbusDriveConfig& config, Joint& joint, const LinkFaults& faults);
+  ModbusRegisters(modbus::ModbusDriveConfig config, Joint& joint, const LinkFaults& faults);
 
   /// The protocol data unit of the answer to `request`, of any bytes and length; empty where there is none.
   std::vector<uint8_t> Answer(std::span<const uint8_t> request, int64_t now_ns);
