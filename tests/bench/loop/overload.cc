@@ -7,11 +7,14 @@
 
 #include <array>
 #include <atomic>
+#include <condition_variable>
 #include <cstdio>
 #include <filesystem>
 #include <future>
 #include <iostream>
+#include <limits>
 #include <memory>
+#include <mutex>
 #include <sstream>
 #include <stdexcept>
 #include <system_error>
@@ -54,12 +57,18 @@ class Stream final : public grpc::ClientReadReactor<v1::StreamSamplesResponse> {
     ++batches_;
     StartRead(&response_);
   }
-  void OnDone(const grpc::Status& /*status*/) override { done_.set_value(); }
+  void OnDone(const grpc::Status& /*status*/) override {
+    // Told while the lock is held: once it is released, End may destroy this.
+    const std::lock_guard lock(mutex_);
+    done_ = true;
+    changed_.notify_one();
+  }
 
   /// Ends the stream and adds what it saw.
   void End(OverloadReport& report) {
     context_.TryCancel();
-    done_.get_future().wait();
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return done_; });
     ++report.streams;
     report.samples += samples_;
     report.batches += batches_;
@@ -71,7 +80,9 @@ class Stream final : public grpc::ClientReadReactor<v1::StreamSamplesResponse> {
   grpc::ClientContext context_;
   v1::StreamSamplesRequest request_;
   v1::StreamSamplesResponse response_;
-  std::promise<void> done_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool done_ = false;
   uint64_t samples_ = 0;
   uint64_t batches_ = 0;
   uint64_t lost_ = 0;
