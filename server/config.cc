@@ -19,22 +19,20 @@ constexpr int kDefaultStreamQueueSamples = 20'000;
 constexpr double kLargest = 1e6;
 
 model::EstimatorKind ReadEstimator(ConfigTable& timing) {
-  const std::string name =
-      timing.StringOr("estimator", model::Name(model::EstimatorKind::kFilteredDifference));
+  const char* const otherwise = model::Name(model::EstimatorKind::kFilteredDifference);
+  const std::string name = timing.StringOr("estimator", otherwise);
   const auto kind = model::EstimatorNamed(name);
-  if (!kind) {
-    std::string names;
-    for (const model::EstimatorKind known : model::kEstimatorKinds) {
-      names += (names.empty() ? "\"" : ", \"") + std::string(model::Name(known)) + "\"";
-    }
-    timing.Refuse("estimator", "is \"" + name + "\"; allowed are " + names);
-  }
-  if (model::IsAccelerometer(*kind)) {
+  if (kind && model::IsAccelerometer(*kind)) {
     timing.Refuse("estimator", "is \"" + name +
                                    "\", of which the model knows the stability, but no drive reads an "
                                    "accelerometer; use an estimator from positions");
   }
-  return *kind;
+  std::vector<std::string> names;
+  names.reserve(model::kEstimatorKinds.size());
+  for (const model::EstimatorKind known : model::kEstimatorKinds) {
+    names.emplace_back(model::Name(known));
+  }
+  return *model::EstimatorNamed(timing.OneOfOr("estimator", names, otherwise));
 }
 
 model::LoopParameters ReadLoop(ConfigTable& axis) {

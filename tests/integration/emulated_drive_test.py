@@ -1,22 +1,17 @@
 """mwidthd and mwidth-drive as processes of their own: rendering, and every fault of the link on demand."""
 
 import contextlib
-import pathlib
 import signal
 import subprocess
 import tempfile
 import time
 import unittest
 
+from modbus_example import write_config
 from server_process import BUILD, ServerProcess, rendering, seconds
 
 from mwidth.v1 import telemetry_pb2 as telemetry
 
-EXAMPLE = pathlib.Path(__file__).resolve().parents[2] / "deploy" / "config" / "modbus.toml"
-# Room for a host that runs other tests beside this one.
-SLOW = [("period_s = 0.002", "period_s = 0.01"), ("cutoff_hz = 20.0", "cutoff_hz = 5.0"),
-        ("delay_s = 0.001", "delay_s = 0.01"), ("reply_deadline_s = 0.0008", "reply_deadline_s = 0.0045"),
-        ("max_missed_ticks = 5", "max_missed_ticks = 16")]
 SILENT, JUMP = rendering.FAULT_KIND_DRIVE_SILENT, rendering.FAULT_KIND_ENCODER_JUMP
 
 
@@ -50,13 +45,7 @@ class EmulatedDriveTest(unittest.TestCase):
         self.folder = self.stack.enter_context(tempfile.TemporaryDirectory())
 
     def serve(self, drive):
-        text = EXAMPLE.read_text()
-        for old, new in [*SLOW, ('host = "192.168.0.10"', 'host = "127.0.0.1"'), ("port = 502", f"port = {drive.port}")]:
-            self.assertIn(old, text)
-            text = text.replace(old, new, 1)
-        path = pathlib.Path(self.folder) / f"modbus-{drive.port}.toml"
-        path.write_text(text)
-        return ServerProcess("--config", path, "--allow-non-realtime")
+        return ServerProcess("--config", write_config(self.folder, drive.port), "--allow-non-realtime")
 
     def rendering(self, drive):
         server = self.stack.enter_context(self.serve(drive))
@@ -101,10 +90,7 @@ class EmulatedDriveTest(unittest.TestCase):
         lease = server.acquire()
         server.start(lease)
         server.set_mass(lease, 0.05, ramp=seconds(0))
-        server.process.kill()
-        server.process.wait()
-        server.process.stdout.close()
-        server.channel.close()
+        server.kill()
         self.assertIn("watchdog", drive.process.stdout.readline())
 
     def test_a_drive_that_comes_back_can_be_used_again(self):

@@ -55,6 +55,13 @@ class ServerProcess:
         if exception is None and code != 0:
             raise AssertionError(f"mwidthd ended with exit code {code}")
 
+    def kill(self):
+        """Ends it with SIGKILL, in place of the context manager's end."""
+        self.process.kill()
+        self.process.wait()
+        self.process.stdout.close()
+        self.channel.close()
+
     def state(self):
         """AxisState of the only axis."""
         return self.rendering.GetState(rendering.GetStateRequest()).axes[0]
