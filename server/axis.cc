@@ -44,6 +44,10 @@ std::unique_ptr<device::Drive> MakeDrive(const AxisConfig& config) {
   if (const auto* modbus = std::get_if<device::modbus::ModbusDriveConfig>(&config.drive.behind)) {
     return std::make_unique<device::modbus::ModbusDrive>(*modbus);
   }
+  if (std::holds_alternative<device::canopen::CanopenDriveConfig>(config.drive.behind)) {
+    throw ConfigError("axis " + config.name +
+                      ": CANopen drives are configured here, but not yet rendered on");
+  }
   return std::make_unique<device::SimulatedDrive>(
       device::SimulatedDriveConfig{.loop = config.loop,
                                    .position_quantum = config.drive.position_quantum,

@@ -4,6 +4,7 @@
 #include <sstream>
 #include <string>
 
+#include "server/config_canopen.h"
 #include "server/config_modbus.h"
 
 namespace mwidth::server {
@@ -36,10 +37,15 @@ DriveConfig ReadSimulated(ConfigTable& drive, const std::filesystem::path& folde
 
 DriveConfig ReadDrive(ConfigTable drive, const std::filesystem::path& folder,
                       const model::LoopParameters& loop, double force_limit) {
-  const std::string type = drive.OneOf("type", {"simulated", "modbus-tcp", "modbus-rtu"});
+  const std::string type = drive.OneOf("type", {"simulated", "modbus-tcp", "modbus-rtu", "canopen"});
   DriveConfig read;
   if (type == "simulated") {
     read = ReadSimulated(drive, folder);
+  } else if (type == "canopen") {
+    const auto canopen = ReadCanopenDrive(drive, loop, force_limit);
+    read = {.position_quantum = std::abs(canopen.position_scale),
+            .force_quantum = canopen.ForceQuantum(),
+            .behind = canopen};
   } else {
     const auto modbus = ReadModbusDrive(drive, type == "modbus-tcp", loop, force_limit);
     read = {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <variant>
 
+#include "device/canopen/canopen_drive_config.h"
 #include "device/modbus/modbus_drive_config.h"
 #include "server/config_table.h"
 #include "server/model/loop_parameters.h"
@@ -28,7 +29,8 @@ struct DriveConfig {
   double position_quantum = 0;
   double force_quantum = 0;
   /// What turns the joint: a simulated hand, or a motor behind a link.
-  std::variant<HandMotionConfig, device::modbus::ModbusDriveConfig> behind;
+  std::variant<HandMotionConfig, device::modbus::ModbusDriveConfig, device::canopen::CanopenDriveConfig>
+      behind;
 
   bool simulated() const { return std::holds_alternative<HandMotionConfig>(behind); }
 };
