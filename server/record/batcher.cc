@@ -6,8 +6,8 @@
 
 namespace mwidth::record {
 
-Batcher::Batcher(uint32_t decimation, std::size_t max_batch)
-    : decimation_(decimation), max_batch_(max_batch) {
+Batcher::Batcher(uint32_t decimation, std::size_t max_batch, uint64_t first_tick)
+    : decimation_(decimation), max_batch_(max_batch), first_tick_(first_tick) {
   if (decimation == 0 || max_batch == 0) {
     throw std::invalid_argument("decimation and max_batch must be above 0");
   }
@@ -16,6 +16,9 @@ Batcher::Batcher(uint32_t decimation, std::size_t max_batch)
 std::size_t Batcher::Fill(std::span<const exchange::Sample> samples, Batch& batch) {
   for (std::size_t used = 0; used < samples.size(); ++used) {
     const exchange::Sample& sample = samples[used];
+    if (sample.tick < first_tick_) {
+      continue;
+    }
     const bool gap = started_ && sample.tick != last_tick_ + 1;
     const bool selected = sample.tick % decimation_ == 0;
     if ((gap && !batch.samples.empty()) || (selected && batch.samples.size() >= max_batch_)) {

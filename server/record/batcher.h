@@ -28,11 +28,11 @@ struct Batch {
 ///
 /// where the previous tick is the last sample seen, selected or not. At a decimation of 1 that is exactly the
 /// gap between two batches. Absent ticks always begin a new batch. Ticks before the first sample are not
-/// absent. Pure: one thread at a time.
+/// absent, and those before `first_tick` are passed over. Pure: one thread at a time.
 class Batcher {
  public:
-  /// Both above 0; throws std::invalid_argument otherwise.
-  Batcher(uint32_t decimation, std::size_t max_batch);
+  /// `decimation` and `max_batch` are above 0; throws std::invalid_argument otherwise.
+  Batcher(uint32_t decimation, std::size_t max_batch, uint64_t first_tick = 0);
 
   /// Appends from the front of `samples`, whose ticks rise strictly from call to call, to `batch`, and
   /// returns how many it used up, those not selected included. Less than all: `batch` is complete, and the
@@ -46,6 +46,7 @@ class Batcher {
 
   const uint32_t decimation_;
   const std::size_t max_batch_;
+  const uint64_t first_tick_;
   // The last sample seen.
   bool started_ = false;
   uint64_t last_tick_ = 0;

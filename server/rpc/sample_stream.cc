@@ -28,17 +28,16 @@ grpc::Status ShuttingDown() {
 
 }  // namespace
 
-SampleStream* SampleStream::Open(std::string axis, record::Broadcast& broadcast, uint32_t decimation,
-                                 std::size_t max_batch) {
+SampleStream* SampleStream::Open(std::string axis, record::Broadcast& broadcast, record::Batcher batcher) {
   auto* stream = new SampleStream(std::move(axis));  // NOLINT(cppcoreguidelines-owning-memory): see OnDone
-  stream->Subscribe(broadcast, decimation, max_batch);
+  stream->Subscribe(broadcast, batcher);
   stream->Advance();
   return stream;
 }
 
 SampleStream::SampleStream(std::string axis) : axis_(std::move(axis)) {}
 
-void SampleStream::Subscribe(record::Broadcast& broadcast, uint32_t decimation, std::size_t max_batch) {
+void SampleStream::Subscribe(record::Broadcast& broadcast, const record::Batcher& batcher) {
   // A notification may come before reader_ is there: it waits for the lock.
   const std::lock_guard lock(mutex_);
   auto subscription = broadcast.Subscribe([this] { Advance(); });
@@ -46,7 +45,7 @@ void SampleStream::Subscribe(record::Broadcast& broadcast, uint32_t decimation, 
     verdict_ = TooManyStreams(axis_, broadcast.limits().max_subscribers);
     return;
   }
-  reader_.emplace(std::move(subscription), record::Batcher(decimation, max_batch));
+  reader_.emplace(std::move(subscription), batcher);
   // The client sees at once that its stream is open: whatever it starts then is in it from the first tick.
   StartSendInitialMetadata();
 }

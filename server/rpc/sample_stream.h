@@ -24,10 +24,8 @@ namespace mwidth::rpc {
 class SampleStream final : public grpc::ServerWriteReactor<grpc::ByteBuffer> {
  public:
   /// A new stream, owned by gRPC once it is returned from the method. It is finished already, with
-  /// RESOURCE_EXHAUSTED, where the broadcast has no room. `broadcast` outlives the server. Precondition:
-  /// decimation and max_batch above 0.
-  static SampleStream* Open(std::string axis, record::Broadcast& broadcast, uint32_t decimation,
-                            std::size_t max_batch);
+  /// RESOURCE_EXHAUSTED, where the broadcast has no room. `broadcast` outlives the server.
+  static SampleStream* Open(std::string axis, record::Broadcast& broadcast, record::Batcher batcher);
 
   // Called by gRPC, from any of its threads.
   void OnWriteDone(bool ok) override;
@@ -38,7 +36,7 @@ class SampleStream final : public grpc::ServerWriteReactor<grpc::ByteBuffer> {
   enum class Phase : uint8_t { kWaiting, kWriting, kFinished };
 
   explicit SampleStream(std::string axis);
-  void Subscribe(record::Broadcast& broadcast, uint32_t decimation, std::size_t max_batch);
+  void Subscribe(record::Broadcast& broadcast, const record::Batcher& batcher);
   /// Sends the next batch, or finishes the call, if there is reason to and nothing is being written.
   void Advance();
 

@@ -8,6 +8,7 @@
 #include <grpcpp/impl/codegen/proto_utils.h>
 #include <grpcpp/support/server_callback.h>
 
+#include "server/gate/axis_gate.h"
 #include "server/gate/invalid_number.h"
 #include "server/gate/refusal.h"
 #include "server/rpc/sample_stream.h"
@@ -49,7 +50,10 @@ gate::Result<SampleStream*> Open(const AxisRegistry& axes, const v1::StreamSampl
   // As proto3 has it, 0 is a field that was not set.
   const uint32_t decimation = request.decimation() == 0 ? 1 : request.decimation();
   const uint32_t max_batch = request.max_batch() == 0 ? kDefaultBatch : request.max_batch();
-  return SampleStream::Open((*axis)->name, (*axis)->broadcast, decimation, max_batch);
+  // The ring still holds ticks that ran before: to a client that began to render, they would read as an end.
+  const uint64_t first_tick = (*axis)->gate.Status().tick + 1;
+  return SampleStream::Open((*axis)->name, (*axis)->broadcast,
+                            record::Batcher(decimation, max_batch, first_tick));
 }
 
 }  // namespace

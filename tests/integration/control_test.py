@@ -80,6 +80,15 @@ class ControlTest(unittest.TestCase):
             admitted = self.server.stability.GetMWidth(stability.GetMWidthRequest(loop=loop)).m_width.admitted
             self.assertTrue(admitted.min < mass < admitted.max, "the named cut-off admits it")
 
+    def test_a_stream_holds_nothing_from_before_it_was_opened(self):
+        lease = self.rendering_lease()
+        for _ in range(20):
+            stream = self.server.telemetry.StreamSamples(telemetry.StreamSamplesRequest())
+            self.assertEqual(set(next(stream).batch.state), {rendering.STATE_RENDERING})
+            stream.cancel()
+            self.server.rendering.StopRendering(rendering.StopRenderingRequest(lease_id=lease))
+            self.server.rendering.StartRendering(rendering.StartRenderingRequest(lease_id=lease))
+
     def test_bad_requests_get_their_status_and_the_loop_never_notices(self):
         lease = self.rendering_lease()
         stream = self.server.telemetry.StreamSamples(telemetry.StreamSamplesRequest(max_batch=50))

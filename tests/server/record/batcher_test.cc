@@ -91,6 +91,13 @@ TEST(BatcherTest, NothingIsAbsentBeforeTheFirstSample) {
   EXPECT_EQ(batches[0].dropped_ticks_before, 0);
 }
 
+TEST(BatcherTest, PassesOverTicksBeforeTheFirst) {
+  const std::vector<Batch> batches = Cut(Batcher(1, 100, 12), *BlockOf(7, 10), 3);
+  ASSERT_THAT(batches, SizeIs(1));
+  EXPECT_THAT(Ticks(batches[0]), ElementsAre(12, 13, 14, 15, 16));
+  EXPECT_EQ(batches[0].missed_ticks_before + batches[0].dropped_ticks_before, 0);
+}
+
 TEST(BatcherTest, DecimationSelectsMultiplesWhereverTheStreamBegins) {
   for (const uint64_t first_tick : {91u, 95u, 100u}) {
     const std::vector<Batch> batches = Cut(Batcher(10, 100), *BlockOf(first_tick, 131 - first_tick), 7);

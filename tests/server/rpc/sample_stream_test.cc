@@ -41,7 +41,7 @@ TEST_F(SampleStreamTest, NumbersTicksConsecutivelyOverManyBatches) {
 
 TEST_F(SampleStreamTest, ReportsAGapExactly) {
   Stream stream = Open();
-  broadcast_.Consume(BlockOf(0, 10));
+  broadcast_.Consume(BlockOf(1, 9));
   stream.ReadUpTo(10);
   broadcast_.Consume(BlockOf(17, 3, 5));
   const v1::SampleBatch* batch = stream.Read();
@@ -55,7 +55,7 @@ TEST_F(SampleStreamTest, ASlowReaderLosesSamplesAloneAndIsToldSo) {
   constexpr std::size_t kBlock = 500;
   Stream slow = Open();
   Stream fast = Open();
-  uint64_t tick = 0;
+  uint64_t tick = 1;
   const auto consume = [&] {
     broadcast_.Consume(BlockOf(tick, kBlock));
     tick += kBlock;
@@ -78,8 +78,8 @@ TEST_F(SampleStreamTest, ASlowReaderLosesSamplesAloneAndIsToldSo) {
   }
   reader.join();
   EXPECT_GT(slow.absent(), 0);
-  EXPECT_EQ(slow.received() + slow.absent(), slow.next_tick());
-  EXPECT_EQ(fast.received(), tick);
+  EXPECT_EQ(slow.received() + slow.absent(), slow.next_tick() - 1);
+  EXPECT_EQ(fast.received(), tick - 1);
   EXPECT_EQ(fast.absent(), 0);
 }
 
@@ -95,13 +95,13 @@ TEST_F(SampleStreamTest, RefusesMoreStreamsThanTheLimitUntilOneEnds) {
   EXPECT_EQ(streams.back()->Finish().error_code(), grpc::StatusCode::CANCELLED);
   AwaitSubscribers(kMaxStreams - 1);
   Stream late = Open();
-  broadcast_.Consume(BlockOf(0, 1));
+  broadcast_.Consume(BlockOf(1, 1));
   EXPECT_NE(late.Read(), nullptr);
 }
 
 TEST_F(SampleStreamTest, EndsAStreamAfterItsLastSampleWhenTheBroadcastCloses) {
   Stream stream = Open(1, 10);
-  broadcast_.Consume(BlockOf(0, 95));
+  broadcast_.Consume(BlockOf(1, 95));
   broadcast_.Close();
   const grpc::Status status = stream.Finish();
   EXPECT_EQ(stream.received(), 95);
@@ -112,7 +112,7 @@ TEST_F(SampleStreamTest, EndsAStreamAfterItsLastSampleWhenTheBroadcastCloses) {
 TEST_F(SampleStreamTest, TheServerShutsDownUnderOpenStreams) {
   Stream idle = Open();
   Stream stuck = Open();
-  for (uint64_t tick = 0; tick < 20'000; tick += 500) {
+  for (uint64_t tick = 1; tick < 20'000; tick += 500) {
     broadcast_.Consume(BlockOf(tick, 500));
     idle.ReadUpTo(tick + 1);
   }
@@ -143,7 +143,7 @@ TEST_F(SampleStreamTest, AccountsForEveryTickWhileTwentySubscribersComeAndGo) {
       --visitors;
     });
   }
-  uint64_t tick = 0;
+  uint64_t tick = 1;
   while (visitors > 0) {
     broadcast_.Consume(BlockOf(tick, 5));
     tick += 5;

@@ -70,8 +70,8 @@ TEST_F(TelemetryServiceTest, SendsTicksThatAreMultiplesOfTheDecimation) {
 
 TEST_F(TelemetryServiceTest, KeepsBatchesWithinTheirLimit) {
   Stream stream = Open(1, 10);
-  broadcast_.Consume(BlockOf(0, 95));
-  while (stream.next_tick() < 95) {
+  broadcast_.Consume(BlockOf(1, 95));
+  while (stream.next_tick() < 96) {
     const v1::SampleBatch* batch = stream.Read();
     ASSERT_NE(batch, nullptr);
     EXPECT_LE(batch->position_size(), 10);
