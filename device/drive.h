@@ -20,12 +20,25 @@ struct DriveInfo {
 /// What a drive answers to being enabled.
 enum class Enabling : uint8_t {
   kEnabled,
+  /// It is on its way, without a force: ask again in the next tick, or disable it.
+  kPending,
   /// It does not want to, or answers something that nobody understands.
   kRefused,
   /// It does not answer.
   kSilent,
   /// It would hold its last force for ever, or too long, if nobody spoke to it any more.
   kNoWatchdog,
+  /// Somebody else commands it.
+  kForeignTraffic,
+};
+
+/// What is wrong with a drive that is enabled.
+enum class DriveTrouble : uint8_t {
+  kNone,
+  /// It reports an error, or has stopped following by itself.
+  kError,
+  /// Somebody else commands it.
+  kForeignTraffic,
 };
 
 /// What a drive answers to a read.
@@ -35,6 +48,10 @@ struct Reading {
   /// As the counter has it: the loop makes the counts continuous where the counter wraps (position_bits; the
   /// bits above them do not count).
   int64_t position_counts = 0;
+  /// Also where the position is not ok; kNone while the drive is not enabled.
+  DriveTrouble trouble = DriveTrouble::kNone;
+  /// The drive's own number of its error, or the identifier of the foreign frame; 0 where there is none.
+  uint16_t trouble_code = 0;
 };
 
 /// One motor with an encoder. All functions are called by the loop's thread and are Rt, except the

@@ -21,6 +21,8 @@ enum class Fault : uint8_t {
   kOverrun,
   kDriveRefused,
   kNoDriveWatchdog,
+  kForeignTraffic,
+  kDriveError,
   kForceSaturation,
   kForceSlew,
   kEncoderJump,

@@ -1,8 +1,24 @@
 #include "server/gate/state_words.h"
 
+#include <cstdint>
+#include <sstream>
+
 #include "server/gate/figures.h"
 
 namespace mwidth::gate {
+namespace {
+
+// Hexadecimal, as manuals print it: " (code FF10h)"; nothing for 0.
+std::string CodeIn(const char* intro, double code) {
+  if (code == 0) {
+    return {};
+  }
+  std::ostringstream text;
+  text << intro << std::hex << std::uppercase << static_cast<uint64_t>(code) << "h)";
+  return text.str();
+}
+
+}  // namespace
 
 std::string StateName(exchange::State state) {
   switch (state) {
@@ -49,6 +65,13 @@ std::string FaultMessage(const exchange::FaultRecord& fault) {
              "its "
              "communication time-out and a reaction to it, or configure without_watchdog, then clear the "
              "fault.";
+    case exchange::Fault::kForeignTraffic:
+      return "Somebody else on the bus sends what only this server may send to the drive" +
+             CodeIn(" (identifier ", fault.value) +
+             ". Disconnect the other master, or give each node a number of its own, then clear the fault.";
+    case exchange::Fault::kDriveError:
+      return "The drive stopped following or reported an error" + CodeIn(" (code ", fault.value) +
+             ". Look the code up in its manual, remove the cause, then clear the fault.";
     case exchange::Fault::kForceSaturation:
       return "The force was cut at its limit for " + value + " s of the watched window, of which " + limit +
              " s are allowed: the loop was not the one that was certified. Ask for a smaller mass or slower "

@@ -1,16 +1,30 @@
-// Whether the drive answers.
+// Whether the drive answers, and what it says of itself.
 #pragma once
 
 #include <cstdint>
 
 #include "server/render/breach.h"
 #include "server/render/loop_config.h"
+#include "server/render/observation.h"
 #include "server/render/time_allowance.h"
 
 namespace mwidth::render {
 
 /// Ticks without an answer of the drive over which the last estimate stands in for the missing one.
 inline constexpr uint64_t kHeldTicks = 2;
+
+/// What the drive reports of itself, while it is enabled. Rt.
+inline Breach JudgeTrouble(const Observation& seen) noexcept {
+  switch (seen.trouble) {
+    case device::DriveTrouble::kNone:
+      break;
+    case device::DriveTrouble::kError:
+      return {exchange::Fault::kDriveError, static_cast<double>(seen.trouble_code), 0};
+    case device::DriveTrouble::kForeignTraffic:
+      return {exchange::Fault::kForeignTraffic, static_cast<double>(seen.trouble_code), 0};
+  }
+  return {};
+}
 
 /// A tick is silent when the drive did not answer with a position, or did not take the force. The loop's
 /// thread; all Rt. Read and Wrote are called in this order, once in every tick.

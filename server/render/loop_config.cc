@@ -29,6 +29,8 @@ void CheckLimits(const LoopConfig& c, const device::DriveInfo& drive) {
           "above 0");
   Require(c.max_missed_ticks <= 16, "max_missed_ticks", c.max_missed_ticks, "0 to 16");
   Require(c.fault_ramp_s >= 0 && c.fault_ramp_s <= 0.05, "fault_ramp_s", c.fault_ramp_s, "0 to 0.05");
+  Require(c.arming_patience_s >= 0 && c.arming_patience_s <= 0.9, "arming_patience_s", c.arming_patience_s,
+          "0 to 0.9");
 }
 
 void CheckWatch(const WatchConfig& w) {

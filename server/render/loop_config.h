@@ -47,6 +47,8 @@ struct LoopConfig {
   uint32_t max_missed_ticks = 5;
   /// How long a fault that leaves the estimate sound takes to bring the mass to zero, 0 to 0.05 s.
   double fault_ramp_s = 0.05;
+  /// How long a drive may take to be enabled, 0 to 0.9 s: a request to render waits for 1 s.
+  double arming_patience_s = 0.8;
 
   WatchConfig watch;
   HandMonitorConfig hand_monitor;

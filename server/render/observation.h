@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "device/drive.h"
 #include "server/exchange/crossing.h"
 
 namespace mwidth::render {
@@ -18,6 +19,9 @@ struct Observation {
   /// Where fresh: the continuous counts, and the ticks since the answer before.
   int64_t position_counts = 0;
   uint64_t answer_periods = 1;
+  /// What is wrong with the drive, fresh or not.
+  device::DriveTrouble trouble = device::DriveTrouble::kNone;
+  uint16_t trouble_code = 0;
   double position = 0;
   double velocity = 0;
   double acceleration = 0;

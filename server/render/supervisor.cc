@@ -31,6 +31,8 @@ bool LeavesEstimateSound(Fault fault) noexcept {
     case Fault::kRepeatedOverrun:
     case Fault::kDriveRefused:
     case Fault::kNoDriveWatchdog:
+    case Fault::kForeignTraffic:
+    case Fault::kDriveError:
     case Fault::kEncoderJump:
     case Fault::kEncoderFreeze:
     // What grows goes on growing through a ramp.
@@ -80,8 +82,10 @@ void Supervisor::Obey(const Settings& settings, const Observation& seen) noexcep
   switch (state_) {
     case State::kIdle:
     case State::kReady:
-      if (new_epoch && wanted) {
-        Begin(settings, seen.filter);
+      if (wanted && (new_epoch || arming_since_ns_)) {
+        Begin(settings, seen);
+      } else if (arming_since_ns_) {
+        SwitchOff();  // The start was taken back before the drive was there.
       }
       break;
     case State::kRendering:
@@ -99,10 +103,17 @@ void Supervisor::Obey(const Settings& settings, const Observation& seen) noexcep
   }
 }
 
-bool Supervisor::Enable() noexcept {
+bool Supervisor::Enable(int64_t now_ns) noexcept {
   switch (drive_.Enable()) {
     case device::Enabling::kEnabled:
+      arming_since_ns_.reset();
       return true;
+    case device::Enabling::kPending:
+      arming_since_ns_ = arming_since_ns_.value_or(now_ns);
+      if (static_cast<double>(now_ns - *arming_since_ns_) > config_.arming_patience_s * 1e9) {
+        Trip(Fault::kDriveRefused, 0, 0);
+      }
+      break;
     case device::Enabling::kRefused:
       Trip(Fault::kDriveRefused, 0, 0);
       break;
@@ -112,12 +123,15 @@ bool Supervisor::Enable() noexcept {
     case device::Enabling::kNoWatchdog:
       Trip(Fault::kNoDriveWatchdog, 0, 0);
       break;
+    case device::Enabling::kForeignTraffic:
+      Trip(Fault::kForeignTraffic, 0, 0);
+      break;
   }
   return false;
 }
 
-void Supervisor::Begin(const Settings& settings, const exchange::Filter& running) noexcept {
-  if (!enabled_ && !Enable()) {
+void Supervisor::Begin(const Settings& settings, const Observation& seen) noexcept {
+  if (!enabled_ && !Enable(seen.monotonic_ns)) {
     return;
   }
   enabled_ = true;
@@ -129,7 +143,7 @@ void Supervisor::Begin(const Settings& settings, const exchange::Filter& running
   force_watch_.Begin();
   timing_watch_.Begin();
   hand_monitor_.Forget();
-  Follow(settings, running);
+  Follow(settings, seen.filter);
 }
 
 void Supervisor::Follow(const Settings& settings, const exchange::Filter& running) noexcept {
@@ -169,6 +183,9 @@ void Supervisor::Watch(const Observation& seen) noexcept {
     encoder_watch_.Follow(seen.position_counts, seen.answer_periods);
   }
   // The cause before what follows from it: an encoder that jumps also leaves the limits.
+  if (enabled_) {
+    Judge(JudgeTrouble(seen));
+  }
   if (enabled_) {
     Judge(drive_watch_.JudgeSilence());
   }
@@ -273,6 +290,7 @@ void Supervisor::SwitchOff() noexcept {
   }
   drive_.Disable();
   enabled_ = false;
+  arming_since_ns_.reset();
 }
 
 bool Supervisor::AtRest() const noexcept {

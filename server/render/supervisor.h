@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "device/drive.h"
 #include "server/exchange/crossing.h"
@@ -27,7 +28,9 @@ inline constexpr double kFilterRampS = 0.2;
 /// The state machine of one axis, and the only one that switches its drive on and off. The loop's thread; all
 /// Rt.
 ///
-///   IDLE       drive disabled. A start enables it.
+///   IDLE       drive disabled. A start enables it, which may take the drive some ticks: a start that is
+///   taken
+///              back meanwhile leaves it disabled.
 ///   READY      drive enabled, zero force. A silent drive is a fault: whether its force is zero cannot be
 ///              known; so is a broken encoder.
 ///   RENDERING  the mass ramps to what is set. The only state that watches motion, force and timing:
@@ -71,9 +74,9 @@ class Supervisor {
 
  private:
   void Obey(const exchange::Settings& settings, const Observation& seen) noexcept;
-  /// Switches the drive on; trips where it does not want to.
-  bool Enable() noexcept;
-  void Begin(const exchange::Settings& settings, const exchange::Filter& running) noexcept;
+  /// Switches the drive on; trips where it does not want to, or is on its way for too long.
+  bool Enable(int64_t now_ns) noexcept;
+  void Begin(const exchange::Settings& settings, const Observation& seen) noexcept;
   /// Ramps to what is set. `running` is the filter that runs: a mass that is admitted for another one waits.
   void Follow(const exchange::Settings& settings, const exchange::Filter& running) noexcept;
   void Clear(uint64_t cleared_fault_number) noexcept;
@@ -90,6 +93,8 @@ class Supervisor {
   exchange::State state_ = exchange::State::kIdle;
   exchange::FaultRecord fault_;
   bool enabled_ = false;
+  // Since when the drive is on its way to being enabled.
+  std::optional<int64_t> arming_since_ns_;
   bool ending_ = false;
   bool stopping_ = false;
   bool changing_filter_ = false;

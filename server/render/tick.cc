@@ -52,6 +52,8 @@ void Tick::Run(uint64_t tick, int64_t now_ns, uint64_t missed_ticks) noexcept {
                                                    .fresh = reading.ok,
                                                    .position_counts = position_counts_,
                                                    .answer_periods = answer_periods_,
+                                                   .trouble = reading.trouble,
+                                                   .trouble_code = reading.trouble_code,
                                                    .position = position_,
                                                    .velocity = estimator_.velocity(),
                                                    .acceleration = estimator_.acceleration(),

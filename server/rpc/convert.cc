@@ -32,6 +32,10 @@ v1::FaultKind Kind(exchange::Fault fault) {
       return v1::FAULT_KIND_DRIVE_REFUSED;
     case exchange::Fault::kNoDriveWatchdog:
       return v1::FAULT_KIND_NO_DRIVE_WATCHDOG;
+    case exchange::Fault::kForeignTraffic:
+      return v1::FAULT_KIND_FOREIGN_TRAFFIC;
+    case exchange::Fault::kDriveError:
+      return v1::FAULT_KIND_DRIVE_ERROR;
     case exchange::Fault::kForceSaturation:
       return v1::FAULT_KIND_FORCE_SATURATION;
     case exchange::Fault::kForceSlew:

@@ -31,6 +31,7 @@ inline LoopConfig SlowConfig() {
   LoopConfig config = TestConfig();
   config.period_s = 0.01;
   config.force_slew_limit = 1000;
+  config.arming_patience_s = 0.1;
   config.watch = {.window_s = 0.4,
                   .saturation_s = 0.1,
                   .slew_s = 0.1,
@@ -137,6 +138,10 @@ class RandomAxis {
     drive.takes_writes = drive.takes_writes ? !Chance(0.005) : Chance(0.4);
     drive.accepts_enable = !Chance(0.15);
     drive.refusal = Chance(0.5) ? device::Enabling::kRefused : device::Enabling::kNoWatchdog;
+    drive.ticks_to_enable = Chance(0.02) ? static_cast<int>(random_() % 12) : drive.ticks_to_enable;
+    drive.trouble = Chance(0.002)   ? device::DriveTrouble::kError
+                    : Chance(0.002) ? device::DriveTrouble::kForeignTraffic
+                                    : device::DriveTrouble::kNone;
   }
 
   // A swing of 1 m/s and 10 m/s^2, that now and then drifts or slips out of the limits, jumps, or freezes.

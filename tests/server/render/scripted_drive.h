@@ -12,6 +12,11 @@ class ScriptedDrive final : public device::Drive {
   device::DriveInfo Info() const noexcept override { return info; }
   device::Enabling Enable() noexcept override {
     ++enables;
+    arming = accepts_enable && ticks_to_enable > 0;
+    if (arming) {
+      --ticks_to_enable;
+      return device::Enabling::kPending;
+    }
     enabled = accepts_enable;
     acting_counts = 0;
     return enabled ? device::Enabling::kEnabled : refusal;
@@ -19,10 +24,14 @@ class ScriptedDrive final : public device::Drive {
   void Disable() noexcept override {
     ++disables;
     enabled = false;
+    arming = false;
     acting_counts = 0;
   }
   device::Reading Read(uint64_t) noexcept override {
-    return {.ok = answers_reads, .position_counts = answers_reads ? position_counts : INT64_MIN};
+    return {.ok = answers_reads,
+            .position_counts = answers_reads ? position_counts : INT64_MIN,
+            .trouble = trouble,
+            .trouble_code = trouble_code};
   }
   bool Write(int32_t force_counts) noexcept override {
     ++writes;
@@ -41,9 +50,13 @@ class ScriptedDrive final : public device::Drive {
   bool takes_writes = true;
   bool accepts_enable = true;
   device::Enabling refusal = device::Enabling::kRefused;
+  int ticks_to_enable = 0;
+  device::DriveTrouble trouble = device::DriveTrouble::kNone;
+  uint16_t trouble_code = 0;
 
   // What was asked of it, and the force that the motor now makes.
   bool enabled = false;
+  bool arming = false;
   int32_t acting_counts = 0;
   int32_t last_written_counts = 0;
   int enables = 0;

@@ -122,7 +122,8 @@ TEST(SupervisorFaultTest, LatchesAFaultWhoseNumberWasClearedBeforeItCame) {
 TEST(SupervisorFaultTest, TellsWhyADriveIsNotEnabled) {
   const std::pair<device::Enabling, Fault> reasons[] = {
       {device::Enabling::kSilent, Fault::kDriveSilent},
-      {device::Enabling::kNoWatchdog, Fault::kNoDriveWatchdog}};
+      {device::Enabling::kNoWatchdog, Fault::kNoDriveWatchdog},
+      {device::Enabling::kForeignTraffic, Fault::kForeignTraffic}};
   for (const auto& [refusal, fault] : reasons) {
     Axis axis;
     axis.drive.accepts_enable = false;

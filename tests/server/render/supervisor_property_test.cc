@@ -67,6 +67,7 @@ class History {
     forfeited_epoch_ = axis_.settings.render_epoch;
     emergency_stops_obeyed_ = 0;
     silence_ = 0;
+    arming_ = false;
     consecutive_overruns_ = 0;
     expired_ns_ = 0;
     ClearWindows();
@@ -90,6 +91,8 @@ class History {
     CheckEmergencyStop();
     CheckLease();
     CheckSilence(was_enabled, missed);
+    CheckTrouble(was_enabled);
+    CheckArming();
     CheckSlew(acting_before);
     CheckOverruns(missed);
     CheckWindows(missed);
@@ -98,8 +101,10 @@ class History {
   }
 
   std::array<uint64_t, 4> seen_states{};
-  std::array<uint64_t, 16> seen_faults{};
+  std::array<uint64_t, 18> seen_faults{};
   uint64_t full_rampings = 0;
+  uint64_t armed_late = 0;
+  uint64_t arming_taken_back = 0;
   uint64_t rendered_with_another_filter = 0;
 
  private:
@@ -146,7 +151,10 @@ class History {
       ASSERT_GT(settings.lease_deadline_ns, axis_.now_ns);
     }
     const bool ending = before_.state == State::kRendering && axis_.status.target_mass == 0;
-    if (!ending || axis_.status.state == State::kFault) {
+    if (began && !ending && arming_) {
+      ++armed_late;
+    }
+    if ((!ending && !axis_.drive.arming) || axis_.status.state == State::kFault) {
       forfeited_epoch_ = settings.render_epoch;
     }
     const bool ended = axis_.status.renderings_ended != before_.renderings_ended;
@@ -231,6 +239,28 @@ class History {
     }
   }
 
+  // A drive that is enabled and in trouble has no force.
+  void CheckTrouble(bool was_enabled) const {
+    if (was_enabled && axis_.drive.trouble != device::DriveTrouble::kNone) {
+      ASSERT_EQ(axis_.drive.acting_counts, 0);
+      ASSERT_EQ(axis_.status.state, State::kFault);
+    }
+  }
+
+  // A drive is on its way only while a start is wanted, and not for ever.
+  void CheckArming() {
+    if (axis_.drive.arming) {
+      ASSERT_EQ(axis_.status.state, State::kIdle);
+      ASSERT_TRUE(axis_.settings.rendering);
+      ASSERT_GT(axis_.settings.lease_deadline_ns, axis_.now_ns);
+      arming_since_ns_ = arming_ ? arming_since_ns_ : axis_.now_ns;
+      ASSERT_LE(axis_.now_ns - arming_since_ns_, 100'000'000);
+    } else if (arming_ && axis_.status.state == State::kIdle) {
+      ++arming_taken_back;
+    }
+    arming_ = axis_.drive.arming;
+  }
+
   // The force changes no faster than its limit, except to zero where the mass is.
   void CheckSlew(int32_t acting_before) const {
     if (axis_.sample.mass != 0) {
@@ -286,6 +316,8 @@ class History {
   uint64_t latched_tick_ = 0;
   uint64_t silence_ = 0;
   int64_t expired_ns_ = 0;
+  int64_t arming_since_ns_ = 0;
+  bool arming_ = false;
   double lowest_mass_ = 0;
   double highest_mass_ = 0;
   uint64_t consecutive_overruns_ = 0;
@@ -311,9 +343,11 @@ TEST(SupervisorPropertyTest, HoldsItsPromisesInEveryTickOfManyRandomHistories) {
     EXPECT_GT(count, kHistories / 10);
   }
   for (const uint64_t count : history.seen_faults) {
-    EXPECT_GT(count, kHistories / 100);
+    EXPECT_GT(count, kHistories / 100) << (&count - history.seen_faults.data());
   }
   EXPECT_GT(history.full_rampings, kHistories);
+  EXPECT_GT(history.armed_late, kHistories / 100);
+  EXPECT_GT(history.arming_taken_back, kHistories / 100);
   EXPECT_GT(history.rendered_with_another_filter, kHistories);
 }
 
