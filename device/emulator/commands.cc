@@ -33,12 +33,15 @@ void BeWell(LinkFaults& faults, Joint& joint) {
   joint.SetEncoderFault(EncoderFault::kNone);
 }
 
-}  // namespace
+std::string Describe(const Joint& joint) {
+  std::ostringstream text;
+  text << (joint.enabled() ? "enabled" : "disabled") << ", force " << joint.force_counts()
+       << " counts, watchdog fired " << joint.trips().count << " times";
+  return text.str();
+}
 
-bool Obey(const std::string& line, LinkFaults& faults, Joint& joint) {
-  std::istringstream words(line);
-  std::string word;
-  words >> word;
+// False where the line says nothing that is known.
+bool SetFault(const std::string& word, std::istringstream& words, LinkFaults& faults, Joint& joint) {
   if (word == "silence") {
     faults.silent = true;
   } else if (word == "exceptions") {
@@ -66,6 +69,18 @@ bool Obey(const std::string& line, LinkFaults& faults, Joint& joint) {
   return true;
 }
 
+}  // namespace
+
+std::string Obey(const std::string& line, LinkFaults& faults, Joint& joint) {
+  std::istringstream words(line);
+  std::string word;
+  words >> word;
+  if (word == "state") {
+    return Describe(joint);
+  }
+  return SetFault(word, words, faults, joint) ? "ok" : "not understood; --help lists the commands";
+}
+
 Commands::Commands(boost::asio::io_context& context, LinkFaults& faults, Joint& joint)
     : input_(context, dup(STDIN_FILENO)), faults_(faults), joint_(joint) {
   ReadLine();
@@ -79,8 +94,7 @@ void Commands::ReadLine() {
     std::istream lines(&buffer_);
     std::string line;
     std::getline(lines, line);
-    std::cout << (Obey(line, faults_, joint_) ? "ok" : "not understood; --help lists the commands")
-              << std::endl;
+    std::cout << Obey(line, faults_, joint_) << std::endl;
     ReadLine();
   });
 }

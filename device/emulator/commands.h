@@ -21,12 +21,14 @@ inline constexpr const char* kCommandsHelp =
     "  dribble SECONDS  answer byte by byte, this far apart\n"
     "  freeze           show the same position for ever\n"
     "  jump COUNTS      add to every position from now on\n"
-    "  well             none of these any more, but for jumps";
+    "  well             none of these any more, but for jumps\n"
+    "  state            tell whether the motor is enabled, its force, and how often the watchdog fired";
 
-/// Does what one line says; false where it says nothing that is known.
-bool Obey(const std::string& line, LinkFaults& faults, Joint& joint);
+/// Does what one line says, and returns what is to be said about it: "ok", the state, or that the line says
+/// nothing that is known.
+std::string Obey(const std::string& line, LinkFaults& faults, Joint& joint);
 
-/// Reads lines until the input ends; answers each with "ok" or with what is wrong.
+/// Reads lines until the input ends, and answers each.
 class Commands {
  public:
   /// All references outlive it.

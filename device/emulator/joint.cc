@@ -88,16 +88,32 @@ void Joint::Feed(int64_t now_ns) {
   fed_ns_ = now_ns;
 }
 
-bool Joint::Turn(int64_t now_ns) {
+void Joint::Turn(int64_t now_ns) {
   const std::lock_guard lock(mutex_);
-  AdvanceTo(now_ns);
-  const bool hungry =
-      config_.watchdog_s > 0 && static_cast<double>(now_ns - fed_ns_) > config_.watchdog_s * 1e9;
-  const bool bites = enabled_ && hungry;
-  if (bites) {
-    Switch(false);
+  if (start_ns_ == 0) {
+    AdvanceTo(now_ns);
   }
-  return bites;
+  const auto patience_ns = static_cast<int64_t>(config_.watchdog_s * 1e9);
+  if (patience_ns > 0 && enabled_ && now_ns - fed_ns_ > patience_ns) {
+    TripAt(fed_ns_ + patience_ns, config_.watchdog_s);
+  }
+  AdvanceTo(now_ns);
+}
+
+void Joint::TripAt(int64_t now_ns, double after_s) {
+  AdvanceTo(now_ns);
+  Switch(false);
+  trips_ = {trips_.count + 1, after_s};
+}
+
+void Joint::Trip(int64_t now_ns, double after_s) {
+  const std::lock_guard lock(mutex_);
+  TripAt(now_ns, after_s);
+}
+
+Trips Joint::trips() const {
+  const std::lock_guard lock(mutex_);
+  return trips_;
 }
 
 void Joint::SetEncoderFault(EncoderFault fault) {

@@ -23,6 +23,13 @@ struct JointConfig {
   double watchdog_s = 0;
 };
 
+/// What watchdogs did.
+struct Trips {
+  int count = 0;
+  /// How long after the last sign of life the last one took the force away, s.
+  double after_s = 0;
+};
+
 /// Advances by the time of CLOCK_MONOTONIC whenever it is asked, in steps of kStepS, exactly: between two
 /// requests the force does not change, so nothing is lost by computing late. Any thread.
 class Joint {
@@ -43,9 +50,12 @@ class Joint {
   double watchdog_s() const { return config_.watchdog_s; }
   /// Every request restarts the watchdog.
   void Feed(int64_t now_ns);
-  /// Lets time pass; true where the watchdog has just taken the force away. To be called every few
-  /// milliseconds.
-  bool Turn(int64_t now_ns);
+  /// Lets time pass, and the watchdog act: on its time-out, however late this is called. To be called every
+  /// few milliseconds.
+  void Turn(int64_t now_ns);
+  /// What a watchdog does: takes the force away at `now_ns`, `after_s` after the last sign of life.
+  void Trip(int64_t now_ns, double after_s);
+  Trips trips() const;
 
   /// From now on.
   void SetEncoderFault(EncoderFault fault);
@@ -56,6 +66,7 @@ class Joint {
   // All hold mutex_.
   void AdvanceTo(int64_t now_ns);
   void Switch(bool enabled);
+  void TripAt(int64_t now_ns, double after_s);
 
   const JointConfig config_;
   mutable std::mutex mutex_;
@@ -63,6 +74,7 @@ class Joint {
   int64_t start_ns_ = 0;
   uint64_t step_ = 0;
   int64_t fed_ns_ = 0;
+  Trips trips_;
   bool enabled_ = false;
   int32_t force_counts_ = 0;
   int64_t position_counts_ = 0;

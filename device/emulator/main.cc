@@ -6,6 +6,7 @@
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
@@ -19,8 +20,7 @@
 #include "device/emulator/commands.h"
 #include "device/emulator/faults.h"
 #include "device/emulator/joint.h"
-#include "device/emulator/modbus_registers.h"
-#include "device/emulator/modbus_tcp_server.h"
+#include "device/emulator/link.h"
 #include "device/hand_motion.h"
 #include "server/config.h"
 
@@ -38,8 +38,7 @@ constexpr int kExitUsage = 2;
 struct CommandLine {
   std::string config = "modbus";
   std::string axis;
-  std::string address = "127.0.0.1";
-  uint16_t port = 0;
+  emulator::LinkPlace place;
   std::string hand_motion;
   std::optional<int> reach;
   double watchdog_s = 0.05;
@@ -52,9 +51,14 @@ CommandLine Parse(CLI::App& app, int argc, char** argv) {
          "The server's own configuration: the joint, the hand, and the drive's registers are read from it")
       ->capture_default_str();
   app.add_option("--axis", line.axis, "Which of its axes; default: the first");
-  app.add_option("--address", line.address, "Address to listen on")->capture_default_str();
-  app.add_option("--port", line.port, "Port to listen on; 0: any free one, which is printed")
+  app.add_option("--address", line.place.address, "Address to listen on")->capture_default_str();
+  app.add_option("--port", line.place.port, "Port to listen on; 0: any free one, which is printed")
       ->capture_default_str();
+  auto* device = app.add_option("--device", line.place.device,
+                                "modbus-rtu: serial port to answer on; default: the configuration's");
+  app.add_flag("--pty", line.place.pty,
+               "modbus-rtu: answer on a pseudo-terminal; its other end, for the server, is printed")
+      ->excludes(device);
   app.add_option("--hand-motion", line.hand_motion,
                  "CSV recording that moves the hand; default: reaches of 30 degrees");
   app.add_option("--reach", line.reach, "Play only this reach of the recording, from 1")
@@ -87,18 +91,30 @@ std::unique_ptr<device::HandMotion> MakeHand(const CommandLine& line, mwidth::mo
 }
 
 // Time passes for the joint although nobody asks, and its watchdog looks whether somebody does.
-void Turn(asio::steady_timer& timer, emulator::Joint& joint) {
-  timer.expires_after(std::chrono::milliseconds(1));
-  timer.async_wait([&](auto error) {
-    if (error) {
-      return;
+class Clock {
+ public:
+  Clock(asio::io_context& context, emulator::Joint& joint) : timer_(context), joint_(joint) { Turn(); }
+
+ private:
+  void Turn() {
+    joint_.Turn(std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds(1));
+    if (const emulator::Trips trips = joint_.trips(); trips.count > told_) {
+      std::cout << "watchdog: the motor is disabled " << std::lround(trips.after_s * 1e3)
+                << " ms after the last sign of life" << std::endl;
+      told_ = trips.count;
     }
-    if (joint.Turn(std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds(1))) {
-      std::cout << "watchdog: the motor is disabled" << std::endl;
-    }
-    Turn(timer, joint);
-  });
-}
+    timer_.expires_after(std::chrono::milliseconds(1));
+    timer_.async_wait([this](auto error) {
+      if (!error) {
+        Turn();
+      }
+    });
+  }
+
+  asio::steady_timer timer_;
+  emulator::Joint& joint_;
+  int told_ = 0;
+};
 
 // A drive has a processor of its own, which this one can only ask for: below the priority of the server's
 // loops.
@@ -122,28 +138,30 @@ void Serve(const CommandLine& line) {
                          .watchdog_s = line.watchdog_s},
                         MakeHand(line, axis.kind));
   emulator::LinkFaults faults;
-  emulator::ModbusRegisters registers(*modbus, joint, faults);
   asio::io_context context(1);
-  emulator::ModbusTcpServer tcp(context, line.address, line.port, modbus->link.unit, registers, faults);
+  const auto link = emulator::OpenLink(context, *modbus, line.place, joint, faults);
   AskForPriority();
   asio::signal_set ending(context, SIGINT, SIGTERM);
   ending.async_wait([&context](auto, int) { context.stop(); });
-  asio::steady_timer timer(context);
-  Turn(timer, joint);
+  const Clock clock(context, joint);
   emulator::Commands commands(context, faults, joint);
-  std::cout << "listening on " << line.address << ":" << tcp.port() << std::endl;
+  std::cout << "listening on " << link->Where() << std::endl;
   context.run();
 }
 
 // The whole program, but for failures.
 int Run(int argc, char** argv) {
-  CLI::App app{"mwidth-drive " MWIDTH_VERSION
-               ": a Modbus drive on a simulated joint, with its faults on demand"};
+  CLI::App app{
+      "mwidth-drive " MWIDTH_VERSION
+      ": a drive on a simulated joint, behind the link of a configuration, with its faults on demand"};
   try {
     Serve(Parse(app, argc, argv));
     return 0;
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kExitUsage;
+  } catch (const std::invalid_argument& error) {
+    std::cerr << "mwidth-drive: " << error.what() << '\n';
+    return kExitUsage;
   } catch (const server::ConfigError& error) {
     std::cerr << "mwidth-drive: " << error.what() << '\n';
     return kExitUsage;

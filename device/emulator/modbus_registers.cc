@@ -1,5 +1,6 @@
 #include "device/emulator/modbus_registers.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -148,6 +149,11 @@ Bytes ModbusRegisters::Answer(std::span<const uint8_t> request, int64_t now_ns) 
   if (faults_.exceptions) {
     return Exception(request[0], kDeviceFailure);
   }
+  constexpr std::array kKnown{kReadHoldingRegisters, kWriteSingleRegister, kWriteMultipleRegisters,
+                              kReadWriteMultipleRegisters};
+  if (std::find(kKnown.begin(), kKnown.end(), request[0]) == kKnown.end()) {
+    return Exception(request[0], kIllegalFunction);
+  }
   if (request.size() < kLeastBytes) {
     return Exception(request[0], kIllegalValue);
   }
@@ -158,10 +164,8 @@ Bytes ModbusRegisters::Answer(std::span<const uint8_t> request, int64_t now_ns) 
       return WriteOne(request.first(kLeastBytes), now_ns);
     case kWriteMultipleRegisters:
       return WriteMany(request, now_ns);
-    case kReadWriteMultipleRegisters:
-      return ReadWrite(request, now_ns);
     default:
-      return Exception(request[0], kIllegalFunction);
+      return ReadWrite(request, now_ns);
   }
 }
 

@@ -1,16 +1,14 @@
 #include "device/emulator/modbus_tcp_server.h"
 
-#include <algorithm>
 #include <array>
 #include <boost/asio/read.hpp>
-#include <boost/asio/steady_timer.hpp>
-#include <boost/asio/write.hpp>
 #include <chrono>
 #include <cstddef>
 #include <memory>
-#include <span>
 #include <utility>
 #include <vector>
+
+#include "device/emulator/answer_writer.h"
 
 namespace mwidth::device::emulator {
 namespace {
@@ -27,11 +25,7 @@ constexpr std::size_t kMostBytes = 254;
 class Connection : public std::enable_shared_from_this<Connection> {
  public:
   Connection(tcp::socket socket, uint8_t unit, ModbusRegisters& registers, const LinkFaults& faults)
-      : socket_(std::move(socket)),
-        timer_(socket_.get_executor()),
-        unit_(unit),
-        registers_(registers),
-        faults_(faults) {
+      : socket_(std::move(socket)), writer_(socket_, faults), unit_(unit), registers_(registers) {
     socket_.set_option(tcp::no_delay(true));
   }
 
@@ -68,52 +62,19 @@ class Connection : public std::enable_shared_from_this<Connection> {
       ReadHeader();
       return;
     }
-    answer_.assign(header_.begin(), header_.end());
-    answer_[4] = static_cast<uint8_t>((pdu.size() + 1) >> 8);
-    answer_[5] = static_cast<uint8_t>((pdu.size() + 1) & 0xFF);
-    answer_.insert(answer_.end(), pdu.begin(), pdu.end());
-    Later(nanoseconds(faults_.delay_ns), 0);
-  }
-
-  // Writes the answer from `sent` on after a pause.
-  void Later(nanoseconds pause, std::size_t sent) {
-    if (pause.count() == 0) {
-      Write(sent);
-      return;
-    }
-    timer_.expires_after(pause);
-    timer_.async_wait([self = shared_from_this(), sent](auto error) {
-      if (!error) {
-        self->Write(sent);
-      }
-    });
-  }
-
-  void Write(std::size_t sent) {
-    const nanoseconds dribble(faults_.dribble_ns);
-    const auto left = std::span<const uint8_t>(answer_).subspan(sent);
-    const std::size_t size = dribble.count() > 0 ? 1 : left.size();
-    asio::async_write(socket_, asio::buffer(left.data(), size),
-                      [self = shared_from_this(), sent = sent + size, dribble](auto error, std::size_t) {
-                        if (error) {
-                          return;
-                        }
-                        if (sent < self->answer_.size()) {
-                          self->Later(dribble, sent);
-                        } else {
-                          self->ReadHeader();
-                        }
-                      });
+    std::vector<uint8_t> answer(header_.begin(), header_.end());
+    answer[4] = static_cast<uint8_t>((pdu.size() + 1) >> 8);
+    answer[5] = static_cast<uint8_t>((pdu.size() + 1) & 0xFF);
+    answer.insert(answer.end(), pdu.begin(), pdu.end());
+    writer_.Write(std::move(answer), [self = shared_from_this()] { self->ReadHeader(); });
   }
 
   tcp::socket socket_;
-  asio::steady_timer timer_;
+  AnswerWriter<tcp::socket> writer_;
   const uint8_t unit_;
   ModbusRegisters& registers_;
-  const LinkFaults& faults_;
   std::array<uint8_t, kHeaderBytes> header_{};
   std::vector<uint8_t> body_;
-  std::vector<uint8_t> answer_;
 };
 
 }  // namespace

@@ -1,13 +1,15 @@
-"""mwidthd and mwidth-drive as processes of their own: rendering, and every fault of the link on demand."""
+"""mwidthd and mwidth-drive as processes of their own: rendering, and every fault on demand, on every link."""
 
 import contextlib
+import os
 import signal
 import subprocess
 import tempfile
 import time
 import unittest
 
-from modbus_example import write_config
+from emulator_process import Emulator
+from modbus_example import write_config, write_rtu_config
 from server_process import BUILD, ServerProcess, rendering, seconds
 
 from mwidth.v1 import telemetry_pb2 as telemetry
@@ -15,86 +17,138 @@ from mwidth.v1 import telemetry_pb2 as telemetry
 SILENT, JUMP = rendering.FAULT_KIND_DRIVE_SILENT, rendering.FAULT_KIND_ENCODER_JUMP
 
 
-class Emulator:
-    """A running mwidth-drive on a free port."""
+class ModbusTcp:
+    """How a drive is started on a link, and what configuration leads the server to it."""
 
-    def __init__(self, *arguments):
-        self.process = subprocess.Popen([BUILD / "bin" / "mwidth-drive", *map(str, arguments)], stdin=subprocess.PIPE,
-                                        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
-        self.port = int(self.process.stdout.readline().rsplit(":", 1)[1])
+    force_quantum = 0.001
+    faults = [("silence", [SILENT]), ("exceptions", [SILENT]), ("delay 0.02", [SILENT]), ("dribble 0.01", [SILENT]),
+              ("jump 1000000", [JUMP]), ("wrong-order", [JUMP, rendering.FAULT_KIND_POSITION_LIMIT])]
 
-    def __enter__(self):
-        return self
+    @staticmethod
+    def start(_folder, *arguments):
+        return Emulator(*arguments)
 
-    def __exit__(self, *_):
-        self.process.kill()
-        self.process.wait()
-        self.process.stdin.close()
-        self.process.stdout.close()
+    @staticmethod
+    def config(folder, drive):
+        return write_config(folder, drive.port)
 
-    def say(self, command):
-        self.process.stdin.write(command + "\n")
-        self.process.stdin.flush()
-        return self.process.stdout.readline().strip()
+
+class ModbusRtu(ModbusTcp):
+    @staticmethod
+    def start(folder, *arguments):
+        return Emulator("--config", write_rtu_config(folder, "any"), "--pty", *arguments)
+
+    @staticmethod
+    def config(folder, drive):
+        return write_rtu_config(folder, drive.place)
+
+
+LINKS = [ModbusTcp, ModbusRtu]
+
+
+def on_every_link(test):
+    """Runs a test once a link, with what it started ended in between."""
+    def run(self):
+        for link in LINKS:
+            with self.subTest(link.__name__), contextlib.ExitStack() as stack, tempfile.TemporaryDirectory() as folder:
+                self.link, self.stack, self.folder = link, stack, folder
+                test(self)
+    return run
 
 
 class EmulatedDriveTest(unittest.TestCase):
-    def setUp(self):
-        self.stack = contextlib.ExitStack()
-        self.addCleanup(self.stack.close)
-        self.folder = self.stack.enter_context(tempfile.TemporaryDirectory())
+    def start_drive(self, *arguments):
+        return self.stack.enter_context(self.link.start(self.folder, *arguments))
 
     def serve(self, drive):
-        return ServerProcess("--config", write_config(self.folder, drive.port), "--allow-non-realtime")
+        return ServerProcess("--config", self.link.config(self.folder, drive), "--allow-non-realtime")
 
-    def rendering(self, drive):
-        server = self.stack.enter_context(self.serve(drive))
-        lease = server.acquire()
+    def render(self, server):
+        lease = server.acquire(ttl_s=60)
         server.start(lease)
         server.set_mass(lease, 0.05, ramp=seconds(0))
-        return server
+        return lease
 
-    def samples_to_the_fault(self, server, act):
-        """Acts once samples come, and returns all samples until one is in FAULT with zero force."""
+    def samples(self, server, enough):
+        """All samples from now until `enough` says so of those that came."""
         joined = telemetry.SampleBatch()
-        stream = server.telemetry.StreamSamples(telemetry.StreamSamplesRequest(max_batch=10))
+        stream = server.telemetry.StreamSamples(telemetry.StreamSamplesRequest(max_batch=1))
         deadline = time.monotonic() + 60
         for response in stream:
-            if act:
-                act()
-                act = None
             joined.MergeFrom(response.batch)
-            if joined.state[-1] == rendering.STATE_FAULT and joined.force_counts[-1] == 0:
+            if enough(joined):
                 stream.cancel()
                 return joined
-            self.assertLess(time.monotonic(), deadline, "no fault came")
+            self.assertLess(time.monotonic(), deadline, "it did not come")
         raise AssertionError("the stream ended")
 
+    def samples_to_the_fault(self, server, act, moving=0.0):
+        """Acts once the joint moves, and returns all samples until one is in FAULT with zero force."""
+        acted = []
+
+        def enough(joined):
+            if not acted and abs(joined.velocity[-1]) >= moving:
+                acted.append(act())
+            return joined.state[-1] == rendering.STATE_FAULT and joined.force_counts[-1] == 0
+        return self.samples(server, enough)
+
+    def check_force_ends_by_the_fifth_tick(self, samples, first):
+        """From tick `first` on, which is wrong: zero by the fifth."""
+        self.assertEqual(list(samples.force_counts)[first + 4:], [0] * len(list(samples.force_counts)[first + 4:]))
+
+    @on_every_link
+    def test_a_mass_is_rendered(self):
+        server = self.stack.enter_context(self.serve(self.start_drive()))
+        self.render(server)
+        samples = self.samples(server, lambda joined: len(joined.force) >= 300)
+        self.assertGreater(max(samples.position) - min(samples.position), 0.2)
+        self.assertGreater(max(abs(force) for force in samples.force), 0.02)
+        for acceleration, mass, force in zip(samples.acceleration, samples.mass, samples.force):
+            self.assertAlmostEqual(force, mass * acceleration, delta=0.6 * self.link.force_quantum)
+        self.assertEqual(server.state().state, rendering.STATE_RENDERING)
+
+    @on_every_link
     def test_each_fault_of_the_drive_is_told_and_ends_the_force(self):
-        for command, kinds in [("silence", [SILENT]), ("exceptions", [SILENT]), ("delay 0.02", [SILENT]),
-                               ("dribble 0.01", [SILENT]), ("jump 1000000", [JUMP]),
-                               ("wrong-order", [JUMP, rendering.FAULT_KIND_POSITION_LIMIT])]:
-            with self.subTest(command):
-                drive = self.stack.enter_context(Emulator())
-                server = self.rendering(drive)
+        for command, kinds in self.link.faults:
+            with self.subTest(command), contextlib.ExitStack() as stack:
+                drive = stack.enter_context(self.link.start(self.folder))
+                server = stack.enter_context(self.serve(drive))
+                self.render(server)
                 samples = self.samples_to_the_fault(server, lambda: self.assertEqual(drive.say(command), "ok"))
                 self.assertIn(server.state().fault.kind, kinds)
                 if kinds == [SILENT]:
                     # From the first tick without an answer: two on the last estimate, zero by the fifth.
-                    first = list(samples.position_stale).index(True)
-                    self.assertFalse(any(list(samples.force_counts)[first + 4:]))
+                    self.check_force_ends_by_the_fifth_tick(samples, list(samples.position_stale).index(True))
+                else:
+                    # From the first tick whose position cannot be.
+                    positions = list(samples.position)
+                    wrong = next(i for i in range(1, len(positions)) if abs(positions[i] - positions[i - 1]) > 0.5)
+                    self.check_force_ends_by_the_fifth_tick(samples, wrong)
 
+    @on_every_link
+    def test_an_encoder_that_freezes_in_motion_is_told(self):
+        drive = self.start_drive()
+        server = self.stack.enter_context(self.serve(drive))
+        self.render(server)
+        samples = self.samples_to_the_fault(server, lambda: self.assertEqual(drive.say("freeze"), "ok"), moving=0.4)
+        self.assertEqual(server.state().fault.kind, rendering.FAULT_KIND_ENCODER_FREEZE)
+        self.check_force_ends_by_the_fifth_tick(samples, list(samples.state).index(rendering.STATE_FAULT))
+
+    @on_every_link
     def test_a_killed_server_leaves_the_drive_to_its_watchdog(self):
-        drive = self.stack.enter_context(Emulator())
+        drive = self.start_drive()
         server = self.serve(drive)
-        lease = server.acquire()
-        server.start(lease)
-        server.set_mass(lease, 0.05, ramp=seconds(0))
+        self.render(server)
+        self.samples(server, lambda joined: any(joined.force_counts))
+        self.assertRegex(drive.say("state"), "^enabled")
         server.kill()
-        self.assertIn("watchdog", drive.process.stdout.readline())
+        # The drive's own clock: it lets go on the time-out, however late this process looks.
+        self.assertRegex(drive.line(), r"watchdog: the motor is disabled 50 ms after")
+        self.assertEqual(drive.say("state"), "disabled, force 0 counts, watchdog fired 1 times")
 
+    @on_every_link
     def test_a_drive_that_comes_back_can_be_used_again(self):
-        drive = self.stack.enter_context(Emulator())
+        drive = self.start_drive()
         server = self.stack.enter_context(self.serve(drive))
         lease = server.acquire(ttl_s=60)
         server.start(lease)
@@ -108,29 +162,47 @@ class EmulatedDriveTest(unittest.TestCase):
         server.start(lease)
         self.assertEqual(server.state().state, rendering.STATE_RENDERING)
 
+    @on_every_link
     def test_without_a_watchdog_the_drive_is_not_armed(self):
-        drive = self.stack.enter_context(Emulator("--watchdog", 0))
-        server = self.stack.enter_context(self.serve(drive))
+        server = self.stack.enter_context(self.serve(self.start_drive("--watchdog", 0)))
         with self.assertRaisesRegex(Exception, "watchdog"):
             server.start(server.acquire())
         self.assertEqual(server.state().fault.kind, rendering.FAULT_KIND_NO_DRIVE_WATCHDOG)
 
+
+class CommandLineTest(unittest.TestCase):
     def test_commands_that_mean_nothing_are_told(self):
-        drive = self.stack.enter_context(Emulator())
-        self.assertRegex(drive.say("dance"), "not understood")
+        with Emulator() as drive:
+            self.assertRegex(drive.say("dance"), "not understood")
 
     def test_wrong_usage_is_explained(self):
         for arguments, words in [(["--config", "paper"], "simulated drive already"), (["--axis", "knee"], "knee"),
-                                 (["--watchdog", "-1"], "--watchdog")]:
-            result = subprocess.run([BUILD / "bin" / "mwidth-drive", *arguments], capture_output=True, text=True, timeout=60,
-                                    stdin=subprocess.DEVNULL)
-            self.assertEqual(result.returncode, 2, result.stderr)
-            self.assertIn(words, result.stderr)
+                                 (["--watchdog", "-1"], "--watchdog"), (["--pty"], "modbus-rtu"),
+                                 (["--device", "/dev/ttyS0"], "modbus-rtu")]:
+            with self.subTest(arguments):
+                result = subprocess.run([BUILD / "bin" / "mwidth-drive", *arguments], capture_output=True, text=True,
+                                        timeout=60, stdin=subprocess.DEVNULL)
+                self.assertEqual(result.returncode, 2, result.stderr)
+                self.assertIn(words, result.stderr)
+
+    def test_a_serial_port_can_be_given(self):
+        master, end = os.openpty()
+        with tempfile.TemporaryDirectory() as folder:
+            config = write_rtu_config(folder, "any")
+            with Emulator("--config", config, "--device", os.ttyname(end)) as drive:
+                self.assertEqual(drive.place, os.ttyname(end))
+                # The position of unit 1, asked for with a checksum that is wrong, and then with the right one.
+                os.write(master, bytes([1, 3, 0, 100, 0, 2, 0, 0]))
+                time.sleep(0.1)
+                os.write(master, bytes([1, 3, 0, 100, 0, 2, 0x85, 0xD4]))
+                self.assertEqual(os.read(master, 100)[:3], bytes([1, 3, 4]))
+        os.close(master)
+        os.close(end)
 
     def test_it_ends_on_a_signal(self):
-        drive = self.stack.enter_context(Emulator())
-        drive.process.send_signal(signal.SIGTERM)
-        self.assertEqual(drive.process.wait(timeout=30), 0)
+        with Emulator() as drive:
+            drive.process.send_signal(signal.SIGTERM)
+            self.assertEqual(drive.process.wait(timeout=30), 0)
 
 
 if __name__ == "__main__":

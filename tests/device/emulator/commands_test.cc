@@ -14,7 +14,7 @@ class Still final : public HandMotion {
 
 class CommandsTest : public ::testing::Test {
  protected:
-  bool Say(const char* line) { return Obey(line, faults, joint); }
+  bool Say(const char* line) { return Obey(line, faults, joint) == "ok"; }
 
   LinkFaults faults;
   Joint joint{{.plant = {.device_mass = 0.2, .hand_damping = 1, .hand_stiffness = 25, .cutoff_hz = 10},
@@ -43,6 +43,15 @@ TEST_F(CommandsTest, SetEachFaultAndTakeItAway) {
   EXPECT_FALSE(faults.silent || faults.exceptions || faults.wrong_order);
   EXPECT_EQ(faults.delay_ns + faults.dribble_ns, 0);
   EXPECT_EQ(joint.PositionCounts(3), 0);
+}
+
+TEST_F(CommandsTest, TellTheState) {
+  EXPECT_EQ(Obey("state", faults, joint), "disabled, force 0 counts, watchdog fired 0 times");
+  joint.SetEnabled(1, true);
+  joint.SetForce(1, -7);
+  EXPECT_EQ(Obey("state", faults, joint), "enabled, force -7 counts, watchdog fired 0 times");
+  joint.Trip(2, 0.05);
+  EXPECT_EQ(Obey("state", faults, joint), "disabled, force 0 counts, watchdog fired 1 times");
 }
 
 TEST_F(CommandsTest, AreRefusedWhereTheyMeanNothing) {

@@ -71,13 +71,35 @@ TEST(EmulatedJoint, IsDisabledByItsWatchdogWhenNobodyAsks) {
   joint.Feed(1);
   joint.SetEnabled(1, true);
   joint.SetForce(1, 500);
-  EXPECT_FALSE(joint.Turn(40 * kMs));
+  joint.Turn(40 * kMs);
   joint.Feed(40 * kMs);
-  EXPECT_FALSE(joint.Turn(80 * kMs));
-  EXPECT_TRUE(joint.Turn(91 * kMs));
+  joint.Turn(80 * kMs);
+  EXPECT_TRUE(joint.enabled());
+  joint.Turn(91 * kMs);
   EXPECT_FALSE(joint.enabled());
   EXPECT_EQ(joint.force_counts(), 0);
-  EXPECT_FALSE(joint.Turn(200 * kMs));
+  joint.Turn(200 * kMs);
+  EXPECT_EQ(joint.trips().count, 1);
+  EXPECT_EQ(joint.trips().after_s, 0.05);
+}
+
+TEST(EmulatedJoint, IsDisabledOnTheTimeOutHoweverLateAnybodyLooks) {
+  const auto position = [](int64_t first_look_ns) {
+    Joint joint(Config(), std::make_unique<Still>());
+    joint.Feed(1);
+    joint.SetEnabled(1, true);
+    joint.SetForce(1, 500);
+    joint.Turn(first_look_ns);
+    return joint.PositionCounts(150 * kMs);
+  };
+  EXPECT_EQ(position(51 * kMs), position(150 * kMs));
+  // Had the force acted for longer, it would show.
+  JointConfig patient = Config();
+  patient.watchdog_s = 0;
+  Joint joint(patient, std::make_unique<Still>());
+  joint.SetEnabled(1, true);
+  joint.SetForce(1, 500);
+  EXPECT_GT(joint.PositionCounts(150 * kMs), position(150 * kMs) + 1000);
 }
 
 TEST(EmulatedJoint, ShowsWrongPositionsOnDemand) {
