@@ -13,6 +13,7 @@
 #include "server/axis.h"
 #include "server/config.h"
 #include "server/doctor_command.h"
+#include "server/drive_address.h"
 #include "server/render/wakeful_cpus.h"
 #include "server/rpc/axis_registry.h"
 #include "server/rpc/server.h"
@@ -37,6 +38,7 @@ struct CommandLine {
   std::string listen;
   std::string hand_motion;
   std::optional<int> reach;
+  std::string drive;
   server::AxisOptions axis;
 };
 
@@ -53,6 +55,10 @@ CommandLine Parse(CLI::App& app, int argc, char** argv) {
   app.add_option("--reach", line.reach, "Play only this reach of the recording, from 1")
       ->check(CLI::PositiveNumber)
       ->needs("--hand-motion");
+  app.add_option(
+      "--drive", line.drive,
+      "Where the drive is, instead of where the configuration has it: HOST:PORT, a serial device, or "
+      "a CAN interface");
   app.add_option(
          "--simulation-speed", line.axis.simulation_speed,
          "Run the simulation in lock step with its clock, at most this many times as fast as real time: no "
@@ -90,6 +96,12 @@ server::Config Load(const CommandLine& line) {
     }
     motion->file = line.hand_motion;
     motion->reach = line.reach;
+  }
+  if (!line.drive.empty()) {
+    if (config.axes.size() != 1) {
+      throw server::ConfigError("--drive: the configuration has several axes; set axis.drive of each");
+    }
+    server::PlaceDrive(line.drive, config.axes[0]);
   }
   return config;
 }

@@ -24,6 +24,8 @@ LAYERS = {
     "client": ("server/model/", "CLI/", "nlohmann/") + PROTO,
     # The server's services without a server, for the command line: the same code is the only way to the same numbers.
     "client/cli/offline": ("client/", "server/") + PROTO,
+    # The server's links without a server, for `mwidth drive probe`.
+    "client/cli/drive": ("device/", "server/config.h", "server/drive_address.h"),
     "server": ("server/", "device/", "toml++/", "CLI/"),
 }
 # The loop's folder: nothing that locks, and no streams.

@@ -9,7 +9,8 @@ namespace {
 
 constexpr const char* kExitCodes = R"(Exit codes:
   0  done
-  1  the server said no: an unstable mass, control held by another client, a wrong state, a fault while holding
+  1  the server said no: an unstable mass, control held by another client, a wrong state, a fault while holding;
+     a drive that cannot be armed
   2  the command line is wrong
   3  the server cannot be reached, or something else failed
 
@@ -95,6 +96,23 @@ void DefineFigures(CLI::App& app, CommandLine& line) {
   command->add_flag("--png", line.png, "Pictures as PNG instead of SVG");
 }
 
+void DefineDrive(CLI::App& app, CommandLine& line) {
+  auto* drive = Subcommand(app, "drive", "Look at a drive; needs no server",
+                           "  mwidth drive probe --config modbus --drive 127.0.0.1:15020");
+  drive->require_subcommand(1);
+  auto* probe =
+      Subcommand(*drive, "probe",
+                 "Read what a drive says of itself - state, position, watchdog - and command nothing. Exit "
+                 "code 1 where it could not be armed as it is",
+                 "  mwidth drive probe --config robot.toml\n"
+                 "  mwidth drive probe --config modbus --drive /dev/ttyUSB0");
+  probe->add_option("--config", line.config, "The server's configuration: a TOML file or a shipped one")
+      ->required();
+  probe->add_option("--drive", line.drive,
+                    "Where the drive is, instead of where the configuration has it: HOST:PORT, a serial "
+                    "device, or a CAN interface");
+}
+
 // What is wrong with the command line, and where to read more. CLI11 says of an unknown command that one is
 // required.
 std::string Complaint(const CLI::App* app, const CLI::Error& error) {
@@ -156,6 +174,7 @@ void Define(CLI::App& app, CommandLine& line) {
   Subcommand(app, "clear-fault", "Clear a latched fault, once its cause is gone", "  mwidth clear-fault");
   DefineStream(app, line);
   DefineFigures(app, line);
+  DefineDrive(app, line);
 }
 
 }  // namespace mwidth::cli

@@ -63,6 +63,10 @@ struct CommandLine {
   std::optional<double> seconds;
   std::optional<uint32_t> decimation;
 
+  // drive probe
+  std::string config;
+  std::string drive;
+
   // figures
   std::string out;
   bool png = false;

@@ -21,5 +21,6 @@ int RunStop(const CommandLine& line);
 int RunClearFault(const CommandLine& line);
 int RunStream(const CommandLine& line);
 int RunFigures(const CommandLine& line);
+int RunDriveProbe(const CommandLine& line);
 
 }  // namespace mwidth::cli

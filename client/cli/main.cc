@@ -28,7 +28,8 @@ int Run(const std::string& command, const CommandLine& line) {
       {"stop", RunStop},
       {"clear-fault", RunClearFault},
       {"stream", RunStream},
-      {"figures", RunFigures}};
+      {"figures", RunFigures},
+      {"drive", RunDriveProbe}};
   try {
     return commands.at(command)(line);
   } catch (const client::Error& error) {

@@ -44,6 +44,8 @@ std::string NameOf(const LinkConfig& config) {
          " unit " + std::to_string(config.unit);
 }
 
+std::string LockNameOf(const LinkConfig& config) { return "modbus:" + NameOf(config); }
+
 Link::Link(LinkConfig config) : config_(std::move(config)) {}
 
 Link::~Link() { Close(); }

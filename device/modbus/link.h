@@ -39,6 +39,8 @@ struct LinkCounters {
 
 /// "127.0.0.1:502 unit 1" or "/dev/ttyUSB0 unit 1".
 std::string NameOf(const LinkConfig& config);
+/// What a DriveLock on the drive at this link is called.
+std::string LockNameOf(const LinkConfig& config);
 
 /// libmodbus, held to a deadline. It brings connection, framing and RTU's checksum; requests, and the
 /// judgement of replies, are those of frame.h, because libmodbus looks at neither the unit of a TCP reply nor

@@ -53,7 +53,7 @@ Enabling EnablingOf(Outcome outcome) noexcept {
 }  // namespace
 
 ModbusDrive::ModbusDrive(const ModbusDriveConfig& config)
-    : lock_("modbus:" + NameOf(config.link)), config_(config), info_(InfoOf(config)), link_(config.link) {
+    : lock_(LockNameOf(config.link)), config_(config), info_(InfoOf(config)), link_(config.link) {
   link_.Connect();
   TakeForceAway();
   connecting_ = std::jthread([this](const std::stop_token& stop) { KeepConnected(stop); });
