@@ -11,7 +11,7 @@ PROTO = ("mwidth/v1/", "google/rpc/", "google/protobuf/", "grpcpp/", "grpc/")
 # Folder: prefixes that it may include, besides itself and the standard library.
 LAYERS = {
     "server/model": ("Eigen/", "unsupported/Eigen/", "boost/math/", "boost/numeric/interval"),
-    "device": ("server/model/", "boost/math/", "csv.h", "modbus/modbus.h"),
+    "device": ("server/model/", "boost/asio/", "boost/math/", "csv.h", "modbus/modbus.h"),
     # The emulated drive reads the server's own configuration, so that both speak of the same registers.
     "device/emulator": ("device/", "server/model/", "server/config.h", "boost/asio/", "CLI/"),
     "server/exchange": (),
@@ -31,7 +31,7 @@ LAYERS = {
 # The loop's folder: nothing that locks, and no streams.
 FORBIDDEN = {"server/render": {"mutex", "shared_mutex", "condition_variable", "iostream", "sstream", "fstream"}}
 # POSIX and Linux headers belong to the platform as the standard library does.
-SYSTEM = re.compile(r"(sys/|linux/|netinet/)?[a-z0-9_]+(\.h)?$")
+SYSTEM = re.compile(r"(sys/|linux/(can/)?|netinet/|net/)?[a-z0-9_]+(\.h)?$")
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 
 
