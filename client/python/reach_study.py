@@ -183,11 +183,13 @@ def draw(path, trials):
     plt.close(figure)
 
 
-def run(address, output, count):
+def run(address, output, count, with_motor):
     with mwidth.Client(address) as client:
         axis = client.axis()
-        if axis.info.kind != rendering_pb2.AXIS_KIND_ROTARY or not axis.info.simulated:
-            raise StudyError("this study needs the simulated elbow: start mwidthd with --config elbow")
+        if axis.info.kind != rendering_pb2.AXIS_KIND_ROTARY:
+            raise StudyError("this study needs a rotary joint: start mwidthd with --config elbow")
+        if not (axis.info.simulated or with_motor):
+            raise StudyError("a motor would move: give --with-motor if that is meant")
         masses, unstable = choose_masses(axis)
         with client.control("reach study") as control:
             control.start_rendering()
@@ -206,9 +208,10 @@ def main():
     parser.add_argument("--server", default="127.0.0.1:50051", metavar="HOST:PORT")
     parser.add_argument("--output", default="demo-output", type=pathlib.Path, metavar="FOLDER")
     parser.add_argument("--reaches", default=2, type=int, metavar="N", help="reaches under each mass")
+    parser.add_argument("--with-motor", action="store_true", help="run it although the drive is no simulation")
     arguments = parser.parse_args()
     try:
-        run(arguments.server, arguments.output, arguments.reaches)
+        run(arguments.server, arguments.output, arguments.reaches, arguments.with_motor)
     except (StudyError, mwidth.Error) as error:
         sys.exit(f"reach study: {error}")
     except KeyboardInterrupt:
