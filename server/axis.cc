@@ -4,6 +4,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "device/canopen/canopen_drive.h"
 #include "device/hand_motion.h"
 #include "device/modbus/modbus_drive.h"
 #include "device/simulated_drive.h"
@@ -44,9 +45,8 @@ std::unique_ptr<device::Drive> MakeDrive(const AxisConfig& config) {
   if (const auto* modbus = std::get_if<device::modbus::ModbusDriveConfig>(&config.drive.behind)) {
     return std::make_unique<device::modbus::ModbusDrive>(*modbus);
   }
-  if (std::holds_alternative<device::canopen::CanopenDriveConfig>(config.drive.behind)) {
-    throw ConfigError("axis " + config.name +
-                      ": CANopen drives are configured here, but not yet rendered on");
+  if (const auto* canopen = std::get_if<device::canopen::CanopenDriveConfig>(&config.drive.behind)) {
+    return std::make_unique<device::canopen::CanopenDrive>(*canopen);
   }
   return std::make_unique<device::SimulatedDrive>(
       device::SimulatedDriveConfig{.loop = config.loop,

@@ -22,6 +22,9 @@ inline constexpr uint8_t kMaxNode = 127;
 /// Longest time after which a drive must take the force away by itself when nobody speaks to it.
 inline constexpr double kMaxWatchdogS = 0.1;
 
+/// Heartbeats of the drive that are missing when it is taken for gone.
+inline constexpr double kMostHeartbeatsMissing = 3;
+
 /// What the drive does when our heartbeat is missing: 6007h.
 enum class ConnectionLoss : uint8_t { kNone = 0, kFault = 1, kDisableVoltage = 2, kQuickStop = 3 };
 

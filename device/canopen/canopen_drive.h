@@ -1,0 +1,75 @@
+// A CiA 402 drive on CANopen, in cyclic synchronous torque mode.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <stop_token>
+#include <thread>
+
+#include "device/can/bus.h"
+#include "device/canopen/arming.h"
+#include "device/canopen/canopen_drive_config.h"
+#include "device/canopen/process_data.h"
+#include "device/canopen/sdo_client.h"
+#include "device/drive.h"
+#include "device/drive_lock.h"
+
+namespace mwidth::device::canopen {
+
+/// The loop's thread exchanges process data, and sends our heartbeat: where the loop is dead, the drive hears
+/// none. A connection that is lost, and a drive that has booted anew, are set up again by a thread of their
+/// own. All Rt but the constructors, the destructor and what says so.
+class CanopenDrive final : public Drive {
+ public:
+  /// Joins the bus and sets the drive up. Throws std::runtime_error, with what to do, where that fails.
+  explicit CanopenDrive(const CanopenDriveConfig& config);
+  /// The same on this bus, at this time: for tests.
+  CanopenDrive(const CanopenDriveConfig& config, std::unique_ptr<can::Bus> bus, Now now);
+  CanopenDrive(const CanopenDrive&) = delete;
+  CanopenDrive& operator=(const CanopenDrive&) = delete;
+  /// Takes the force away, as far as the drive still listens.
+  ~CanopenDrive() override;
+
+  DriveInfo Info() const noexcept override;
+  /// One step on the way to "operation enabled" with every call, a call a tick.
+  Enabling Enable() noexcept override;
+  /// Disables the voltage: the motor is let go of, not braked.
+  void Disable() noexcept override;
+  Reading Read(uint64_t tick) noexcept override;
+  bool Write(int32_t force_counts) noexcept override;
+
+  /// What came and was not used. The loop's thread.
+  const NodeCounters& counters() const noexcept { return data_.watch().counters; }
+
+ private:
+  bool HasLink() const noexcept { return !lost_.load(std::memory_order_acquire); }
+  bool HeardForeign(int64_t since_ns) const noexcept;
+  /// The drive has booted anew, or sends no heartbeat any more.
+  bool IsGone() const noexcept;
+  /// Leaves the drive to the thread that sets it up anew.
+  void HandOver() noexcept;
+  Reading WithTrouble(Reading reading) const noexcept;
+  /// Not Rt.
+  void Connect();
+  void KeepConnected(const std::stop_token& stop);
+
+  const DriveLock lock_;
+  const CanopenDriveConfig config_;
+  const Now now_;
+  // Used by the loop's thread while lost_ is false, by the connecting thread while it is true.
+  const std::unique_ptr<can::Bus> bus_;
+  ProcessData data_{*bus_, config_, now_};
+  Arming arming_{config_};
+  bool enabled_ = false;
+  int64_t enabled_ns_ = 0;
+
+  std::atomic<bool> lost_{false};
+  std::mutex mutex_;
+  std::condition_variable_any ending_;
+  std::jthread connecting_;
+};
+
+}  // namespace mwidth::device::canopen
