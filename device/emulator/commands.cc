@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <iostream>
+#include <limits>
 #include <sstream>
 
 namespace mwidth::device::emulator {
@@ -27,10 +28,21 @@ bool ReadPause(std::istringstream& words, std::atomic<int64_t>& pause_ns) {
 void BeWell(LinkFaults& faults, Joint& joint) {
   faults.silent = false;
   faults.exceptions = false;
+  faults.heartbeat_lost = false;
   faults.wrong_order = false;
   faults.delay_ns = 0;
   faults.dribble_ns = 0;
   joint.SetEncoderFault(EncoderFault::kNone);
+}
+
+bool ReadCode(std::istringstream& words, Link& link) {
+  unsigned code = 0;
+  words >> std::hex >> code;
+  if (!words || !(words >> std::ws).eof() || code == 0 || code > std::numeric_limits<uint16_t>::max()) {
+    return false;
+  }
+  link.Fail(static_cast<uint16_t>(code));
+  return true;
 }
 
 std::string Describe(const Joint& joint) {
@@ -41,11 +53,19 @@ std::string Describe(const Joint& joint) {
 }
 
 // False where the line says nothing that is known.
-bool SetFault(const std::string& word, std::istringstream& words, LinkFaults& faults, Joint& joint) {
+bool SetFault(const std::string& word, std::istringstream& words, LinkFaults& faults, Joint& joint,
+              Link& link) {
+  if (!link.Has(word)) {
+    return false;
+  }
   if (word == "silence") {
     faults.silent = true;
-  } else if (word == "exceptions") {
+  } else if (word == "exceptions" || word == "abort") {
     faults.exceptions = true;
+  } else if (word == "heartbeat-loss") {
+    faults.heartbeat_lost = true;
+  } else if (word == "emcy") {
+    return ReadCode(words, link);
   } else if (word == "wrong-order") {
     faults.wrong_order = true;
   } else if (word == "delay") {
@@ -71,18 +91,20 @@ bool SetFault(const std::string& word, std::istringstream& words, LinkFaults& fa
 
 }  // namespace
 
-std::string Obey(const std::string& line, LinkFaults& faults, Joint& joint) {
+std::string Obey(const std::string& line, LinkFaults& faults, Joint& joint, Link& link) {
   std::istringstream words(line);
   std::string word;
   words >> word;
   if (word == "state") {
     return Describe(joint);
   }
-  return SetFault(word, words, faults, joint) ? "ok" : "not understood; --help lists the commands";
+  return SetFault(word, words, faults, joint, link)
+             ? "ok"
+             : "not understood on this link; --help lists the commands";
 }
 
-Commands::Commands(boost::asio::io_context& context, LinkFaults& faults, Joint& joint)
-    : input_(context, dup(STDIN_FILENO)), faults_(faults), joint_(joint) {
+Commands::Commands(boost::asio::io_context& context, LinkFaults& faults, Joint& joint, Link& link)
+    : input_(context, dup(STDIN_FILENO)), faults_(faults), joint_(joint), link_(link) {
   ReadLine();
 }
 
@@ -94,7 +116,7 @@ void Commands::ReadLine() {
     std::istream lines(&buffer_);
     std::string line;
     std::getline(lines, line);
-    std::cout << Obey(line, faults_, joint_) << std::endl;
+    std::cout << Obey(line, faults_, joint_, link_) << std::endl;
     ReadLine();
   });
 }

@@ -5,7 +5,9 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 
+#include "device/canopen/canopen_drive_config.h"
 #include "device/emulator/faults.h"
 #include "device/emulator/joint.h"
 #include "device/modbus/modbus_drive_config.h"
@@ -33,12 +35,25 @@ class Link {
 
   /// What the other end opens or connects to.
   virtual std::string Where() const = 0;
+  /// Whether it can have the fault that a command (commands.h) asks for.
+  virtual bool Has(std::string_view fault) const = 0;
+  /// Lets time pass. To be called every millisecond.
+  virtual void Turn(int64_t /*now_ns*/) {}
+  /// An error of the drive's own, where Has("emcy").
+  virtual void Fail(uint16_t /*code*/) {}
 };
+
+/// Said where a LinkPlace has a serial port for another link.
+inline constexpr const char* kSerialOnly = "--pty and --device are for drives of type \"modbus-rtu\"";
 
 /// Opens the link of a configuration. References outlive it. Throws std::invalid_argument
 /// where `place` is for another link, std::system_error or boost::system::system_error where it cannot be
 /// opened.
 std::unique_ptr<Link> OpenLink(boost::asio::io_context& context, const modbus::ModbusDriveConfig& drive,
                                const LinkPlace& place, Joint& joint, const LinkFaults& faults);
+/// `has_watchdog`: whether the drive can watch its master's heartbeat.
+std::unique_ptr<Link> OpenLink(boost::asio::io_context& context, const canopen::CanopenDriveConfig& drive,
+                               const LinkPlace& place, bool has_watchdog, Joint& joint,
+                               const LinkFaults& faults);
 
 }  // namespace mwidth::device::emulator

@@ -30,7 +30,6 @@ namespace asio = boost::asio;
 namespace device = mwidth::device;
 namespace emulator = mwidth::device::emulator;
 namespace server = mwidth::server;
-using device::modbus::ModbusDriveConfig;
 
 constexpr int kExitFailure = 1;
 constexpr int kExitUsage = 2;
@@ -46,13 +45,15 @@ struct CommandLine {
 
 CommandLine Parse(CLI::App& app, int argc, char** argv) {
   CommandLine line;
-  app.add_option(
-         "--config", line.config,
-         "The server's own configuration: the joint, the hand, and the drive's registers are read from it")
+  app.add_option("--config", line.config,
+                 "The server's own configuration: the joint, the hand, the drive's registers or objects, and "
+                 "the kind of its link are read from it")
       ->capture_default_str();
   app.add_option("--axis", line.axis, "Which of its axes; default: the first");
-  app.add_option("--address", line.place.address, "Address to listen on")->capture_default_str();
-  app.add_option("--port", line.place.port, "Port to listen on; 0: any free one, which is printed")
+  app.add_option("--address", line.place.address, "modbus-tcp, socketcand: address to listen on")
+      ->capture_default_str();
+  app.add_option("--port", line.place.port,
+                 "modbus-tcp, socketcand: port to listen on; 0: any free one, which is printed")
       ->capture_default_str();
   auto* device = app.add_option("--device", line.place.device,
                                 "modbus-rtu: serial port to answer on; default: the configuration's");
@@ -63,8 +64,10 @@ CommandLine Parse(CLI::App& app, int argc, char** argv) {
                  "CSV recording that moves the hand; default: reaches of 30 degrees");
   app.add_option("--reach", line.reach, "Play only this reach of the recording, from 1")
       ->needs("--hand-motion");
-  app.add_option("--watchdog", line.watchdog_s,
-                 "Seconds without a request after which the motor is disabled; 0: the drive has no watchdog")
+  app.add_option(
+         "--watchdog", line.watchdog_s,
+         "Seconds without a request after which a Modbus drive disables its motor; 0: the drive, of any "
+         "kind, has no watchdog")
       ->check(CLI::Range(0.0, 60.0))
       ->capture_default_str();
   app.footer(emulator::kCommandsHelp);
@@ -90,14 +93,19 @@ std::unique_ptr<device::HandMotion> MakeHand(const CommandLine& line, mwidth::mo
   return std::make_unique<device::RecordedMotion>(line.hand_motion, kind, line.reach);
 }
 
-// Time passes for the joint although nobody asks, and its watchdog looks whether somebody does.
+// Time passes for the drive although nobody asks, and its watchdog looks whether somebody does.
 class Clock {
  public:
-  Clock(asio::io_context& context, emulator::Joint& joint) : timer_(context), joint_(joint) { Turn(); }
+  Clock(asio::io_context& context, emulator::Joint& joint, emulator::Link& link)
+      : timer_(context), joint_(joint), link_(link) {
+    Turn();
+  }
 
  private:
   void Turn() {
-    joint_.Turn(std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds(1));
+    const int64_t now_ns = std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds(1);
+    link_.Turn(now_ns);
+    joint_.Turn(now_ns);
     if (const emulator::Trips trips = joint_.trips(); trips.count > told_) {
       std::cout << "watchdog: the motor is disabled " << std::lround(trips.after_s * 1e3)
                 << " ms after the last sign of life" << std::endl;
@@ -113,6 +121,7 @@ class Clock {
 
   asio::steady_timer timer_;
   emulator::Joint& joint_;
+  emulator::Link& link_;
   int told_ = 0;
 };
 
@@ -125,26 +134,40 @@ void AskForPriority() {
   }
 }
 
+std::unique_ptr<emulator::Link> OpenLink(asio::io_context& context, const CommandLine& line,
+                                         const server::AxisConfig& axis, emulator::Joint& joint,
+                                         const emulator::LinkFaults& faults) {
+  if (const auto* modbus = std::get_if<device::modbus::ModbusDriveConfig>(&axis.drive.behind)) {
+    return emulator::OpenLink(context, *modbus, line.place, joint, faults);
+  }
+  const auto& canopen = std::get<device::canopen::CanopenDriveConfig>(axis.drive.behind);
+  return emulator::OpenLink(context, canopen, line.place, line.watchdog_s > 0, joint, faults);
+}
+
+emulator::JointConfig JointOf(const CommandLine& line, const server::AxisConfig& axis) {
+  // A CANopen drive has the time-out that its master gives it.
+  const bool own_time_out = std::holds_alternative<device::modbus::ModbusDriveConfig>(axis.drive.behind);
+  return {.plant = axis.loop,
+          .position_quantum = axis.drive.position_quantum,
+          .force_quantum = axis.drive.force_quantum,
+          .watchdog_s = own_time_out ? line.watchdog_s : 0};
+}
+
 void Serve(const CommandLine& line) {
   const server::AxisConfig axis = FindAxis(line);
-  const auto* modbus = std::get_if<ModbusDriveConfig>(&axis.drive.behind);
-  if (modbus == nullptr) {
+  if (axis.drive.simulated()) {
     throw server::ConfigError("axis " + axis.name +
                               " has a simulated drive already; give a configuration with a real one");
   }
-  emulator::Joint joint({.plant = axis.loop,
-                         .position_quantum = axis.drive.position_quantum,
-                         .force_quantum = axis.drive.force_quantum,
-                         .watchdog_s = line.watchdog_s},
-                        MakeHand(line, axis.kind));
+  emulator::Joint joint(JointOf(line, axis), MakeHand(line, axis.kind));
   emulator::LinkFaults faults;
   asio::io_context context(1);
-  const auto link = emulator::OpenLink(context, *modbus, line.place, joint, faults);
+  const auto link = OpenLink(context, line, axis, joint, faults);
   AskForPriority();
   asio::signal_set ending(context, SIGINT, SIGTERM);
   ending.async_wait([&context](auto, int) { context.stop(); });
-  const Clock clock(context, joint);
-  emulator::Commands commands(context, faults, joint);
+  const Clock clock(context, joint, *link);
+  emulator::Commands commands(context, faults, joint, *link);
   std::cout << "listening on " << link->Where() << std::endl;
   context.run();
 }

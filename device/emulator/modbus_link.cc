@@ -14,7 +14,14 @@ namespace asio = boost::asio;
 using modbus::ModbusDriveConfig;
 using modbus::SerialLine;
 
-class TcpLink final : public Link {
+class ModbusLink : public Link {
+ public:
+  bool Has(std::string_view fault) const override {
+    return fault != "abort" && fault != "emcy" && fault != "heartbeat-loss";
+  }
+};
+
+class TcpLink final : public ModbusLink {
  public:
   TcpLink(asio::io_context& context, const ModbusDriveConfig& drive, const LinkPlace& place, Joint& joint,
           const LinkFaults& faults)
@@ -30,7 +37,7 @@ class TcpLink final : public Link {
   ModbusTcpServer server_;
 };
 
-class SerialLink final : public Link {
+class SerialLink final : public ModbusLink {
  public:
   SerialLink(asio::io_context& context, const ModbusDriveConfig& drive, const SerialLine& line,
              const std::string& device, Joint& joint, const LinkFaults& faults)
@@ -47,7 +54,7 @@ class SerialLink final : public Link {
   ModbusRtuServer server_;
 };
 
-class PtyLink final : public Link {
+class PtyLink final : public ModbusLink {
  public:
   PtyLink(asio::io_context& context, const ModbusDriveConfig& drive, const SerialLine& line, Joint& joint,
           const LinkFaults& faults)
@@ -69,7 +76,7 @@ std::unique_ptr<Link> OpenLink(asio::io_context& context, const ModbusDriveConfi
                                const LinkPlace& place, Joint& joint, const LinkFaults& faults) {
   const auto* line = std::get_if<SerialLine>(&drive.link.peer);
   if (line == nullptr && (place.pty || !place.device.empty())) {
-    throw std::invalid_argument("--pty and --device are for drives of type \"modbus-rtu\"");
+    throw std::invalid_argument(kSerialOnly);
   }
   if (line == nullptr) {
     return std::make_unique<TcpLink>(context, drive, place, joint, faults);

@@ -8,17 +8,13 @@
 #include <vector>
 
 #include "device/modbus/frame.h"
+#include "tests/device/emulator/still_joint.h"
 
 namespace mwidth::device::emulator {
 namespace {
 
 using ::testing::ElementsAre;
 using Bytes = std::vector<uint8_t>;
-
-class Still final : public HandMotion {
- public:
-  double PositionAt(double /*time_s*/) const noexcept override { return 0; }
-};
 
 class ModbusRegistersTest : public ::testing::Test {
  protected:
@@ -40,11 +36,7 @@ class ModbusRegistersTest : public ::testing::Test {
     return Ask(modbus::WriteRegisters(address, std::array{word}));
   }
 
-  Joint joint{{.plant = {.device_mass = 0.2, .hand_damping = 1, .hand_stiffness = 25, .cutoff_hz = 10},
-               .position_quantum = 1e-4,
-               .force_quantum = 0.01,
-               .watchdog_s = 0.05},
-              std::make_unique<Still>()};
+  Joint joint{StillJoint(0.05), std::make_unique<StillHand>()};
   LinkFaults faults;
   ModbusRegisters registers{Config(), joint, faults};
 };

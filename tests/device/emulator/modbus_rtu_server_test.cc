@@ -12,17 +12,13 @@
 #include <vector>
 
 #include "device/emulator/serial_line.h"
+#include "tests/device/emulator/still_joint.h"
 
 namespace mwidth::device::emulator {
 namespace {
 
 using ::testing::ElementsAre;
 using Bytes = std::vector<uint8_t>;
-
-class Still final : public HandMotion {
- public:
-  double PositionAt(double /*time_s*/) const noexcept override { return 0; }
-};
 
 /// Unit 9 on a pseudo-terminal whose other end the test holds.
 class ModbusRtuServerTest : public ::testing::Test {
@@ -68,10 +64,7 @@ class ModbusRtuServerTest : public ::testing::Test {
   const Bytes position_5 = RtuFrame(9, Bytes{3, 2, 0, 5});
 
   boost::asio::io_context context{1};
-  Joint joint{{.plant = {.device_mass = 0.2, .hand_damping = 1, .hand_stiffness = 25, .cutoff_hz = 10},
-               .position_quantum = 1e-4,
-               .force_quantum = 0.01},
-              std::make_unique<Still>()};
+  Joint joint{StillJoint(), std::make_unique<StillHand>()};
   LinkFaults faults;
   ModbusRegisters registers{Map(), joint, faults};
   PseudoTerminal terminal{context};
