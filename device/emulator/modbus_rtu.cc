@@ -63,7 +63,9 @@ bool IsWholeRtuFrame(std::span<const uint8_t> frame) {
 }
 
 std::vector<uint8_t> RtuFrame(uint8_t unit, std::span<const uint8_t> pdu) {
-  std::vector<uint8_t> frame{unit};
+  std::vector<uint8_t> frame;
+  frame.reserve(kUnitBytes + pdu.size() + kChecksumBytes);
+  frame.push_back(unit);
   frame.insert(frame.end(), pdu.begin(), pdu.end());
   const uint16_t crc = RtuChecksum(frame);
   frame.push_back(static_cast<uint8_t>(crc & 0xFF));

@@ -103,7 +103,8 @@ Outcome Link::Exchange(const Request& request, std::span<uint16_t> values, int64
   if (!connected_) {
     return Outcome::kDisconnected;
   }
-  if (!Discard()) {
+  // Behind a whole reply nothing is left on a connection but duplicates, which their number betrays.
+  if ((line_unsure_ || !IsTcp()) && !Discard()) {
     return Disconnected();
   }
   if (std::exchange(line_unsure_, false) && !IsTcp()) {
