@@ -438,7 +438,9 @@ TEST_F(NoisyBusTest, NoBytesFromTheBusMoveTheMotorOrBreakTheLoop) {
   for (int episode = 0; episode < 2000; ++episode) {
     drive.reset();
     node = std::make_shared<FakeNode>();
+    FakeBus::refuses = false;
     MakeArmed();
+    FakeBus::refuses = true;  // A drive that is lost stays so for the episode.
     for (int i = 0; i < 20; ++i) {
       node->Say(AnyFrame(), random() % 1'000'000);
       const std::size_t before = node->commands.size();
