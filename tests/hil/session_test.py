@@ -22,6 +22,14 @@ LINKS = (
          (('type = "modbus-tcp"', 'type = "modbus-rtu"'), ('host = "192.168.0.10"', 'device = "/dev/pts/0"'),
           ("port = 502\n", "")),
          drive_arguments="--pty", server_arguments=TO_THE_DRIVE),
+    Link("socketcand", "canopen.toml", (('type = "socketcan"', 'type = "socketcand"\nhost = "127.0.0.1"'),),
+         server_arguments=TO_THE_DRIVE),
+    Link("virtual-bus", "canopen.toml", (('interface = "can0"', 'interface = "vcan0"'),)),
+    Link("virtual-bus-on-sync", "canopen.toml",
+         (('interface = "can0"', 'interface = "vcan0"'), ('exchange = "on-receipt"', 'exchange = "on-sync"'),
+          ("delay_s = 0.0005", "delay_s = 0.0015")), delay_periods=1),
+    # The drive on one controller, the server on the other.
+    Link("controllers", "canopen.toml", (('interface = "can0"', 'interface = "can1"'),), server_arguments="--drive can0"),
 )
 
 
@@ -33,8 +41,8 @@ class SessionTest(unittest.TestCase):
         cls.shared = pathlib.Path(cls.folder.name)
         for link in LINKS:
             (cls.shared / f"{link.name}.toml").write_text(link.configuration())
-        script = sessions.PRELUDE + "".join(link.script() for link in LINKS)
-        virtual_machine.run(PROGRAMS, script, cls.shared, timeout_s=900)
+        script = sessions.PRELUDE + virtual_machine.CAN_INTERFACES + "".join(link.script() for link in LINKS)
+        virtual_machine.run(PROGRAMS, script, cls.shared, timeout_s=1500)
 
     def test_the_perceived_mass_is_that_of_a_simulation_with_the_same_delay(self):
         for link in LINKS:

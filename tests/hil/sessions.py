@@ -19,7 +19,7 @@ from mwidth import reaches  # noqa: E402
 CONFIG = pathlib.Path(__file__).resolve().parents[2] / "deploy" / "config"
 TARGET_RAD = np.radians(30)  # of the hand that both the emulated and the simulated drive are moved by
 MASSES = (0.1042, -0.12)  # kg m^2; the joint has 0.2084
-LENGTH_S = 7.5  # of the samples under one mass: two reaches and the returns between
+LENGTH_S = 6.0  # of the samples under one mass: a whole reach at least, whenever they begin
 
 # Waits for what a program prints or writes, in the machine's time.
 PRELUDE = """
