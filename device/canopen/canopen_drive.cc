@@ -22,14 +22,15 @@ constexpr int64_t kForeignMemoryNs = 2'000'000'000;
 
 }  // namespace
 
+std::string LockNameOf(const CanopenDriveConfig& config) {
+  return "canopen:" + can::NameOf(config.bus) + " node " + std::to_string(config.node);
+}
+
 CanopenDrive::CanopenDrive(const CanopenDriveConfig& config)
     : CanopenDrive(config, can::MakeBus(config.bus), can::NowNs) {}
 
 CanopenDrive::CanopenDrive(const CanopenDriveConfig& config, std::unique_ptr<can::Bus> bus, Now now)
-    : lock_("canopen:" + can::NameOf(config.bus) + " node " + std::to_string(config.node)),
-      config_(config),
-      now_(now),
-      bus_(std::move(bus)) {
+    : lock_(LockNameOf(config)), config_(config), now_(now), bus_(std::move(bus)) {
   Connect();
   connecting_ = std::jthread([this](const std::stop_token& stop) { KeepConnected(stop); });
 }

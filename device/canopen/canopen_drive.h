@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <stop_token>
+#include <string>
 #include <thread>
 
 #include "device/can/bus.h"
@@ -18,6 +19,9 @@
 #include "device/drive_lock.h"
 
 namespace mwidth::device::canopen {
+
+/// What a server holds while it has the drive, so that no other one of this host takes it.
+std::string LockNameOf(const CanopenDriveConfig& config);
 
 /// The loop's thread exchanges process data, and sends our heartbeat: where the loop is dead, the drive hears
 /// none. A connection that is lost, and a drive that has booted anew, are set up again by a thread of their

@@ -71,6 +71,8 @@ inline constexpr Object kMaxTorque{0x6072, 0, 2};
 /// mN m, or mN for a linear motor.
 inline constexpr Object kRatedTorque{0x6076, 0, 4};
 inline constexpr Object kTorque{0x6077, 0, 2};
+/// Bit n - 1 is set where the drive knows mode n.
+inline constexpr Object kSupportedModes{0x6502, 0, 4};
 inline constexpr Object kInterpolationPeriod{0x60C2, 1, 1};
 /// The power of ten, in seconds, that the period counts.
 inline constexpr Object kInterpolationExponent{0x60C2, 2, 1};

@@ -112,11 +112,11 @@ class SettingUp {
   }
 
   void SetTorque() {
-    const double rated = sdo_.Upload(kRatedTorque) * 1e-3;
-    // Written so that a number that is none does not agree.
-    if (!(std::abs(rated - config_.rated_torque) <= kRatedTorqueTolerance * config_.rated_torque + 0.5e-3)) {
+    const uint32_t rated = sdo_.Upload(kRatedTorque);
+    if (!IsRatedTorque(rated, config_.rated_torque)) {
       std::ostringstream text;
-      text << "its rated torque (6076h) is " << rated << ", and torque.rated says " << config_.rated_torque
+      text << "its rated torque (6076h) is " << rated * 1e-3 << ", and torque.rated says "
+           << config_.rated_torque
            << ": every force would be wrong by that; correct the configuration or the drive";
       Fail(text.str());
     }
@@ -156,6 +156,11 @@ class SettingUp {
 };
 
 }  // namespace
+
+bool IsRatedTorque(uint32_t thousandths, double configured) {
+  // Written so that a number that is none does not agree.
+  return std::abs(thousandths * 1e-3 - configured) <= kRatedTorqueTolerance * configured + 0.5e-3;
+}
 
 void SetUp(can::Bus& bus, const CanopenDriveConfig& config, Now now) {
   try {

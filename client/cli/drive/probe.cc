@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <variant>
 
+#include "device/canopen/survey.h"
 #include "device/modbus/survey.h"
 #include "server/config.h"
 #include "server/drive_address.h"
@@ -29,6 +30,9 @@ server::AxisConfig FindAxis(const std::string& name_or_file, const std::string& 
 device::SurveyReport SurveyOf(const server::AxisConfig& axis) {
   if (const auto* modbus = std::get_if<device::modbus::ModbusDriveConfig>(&axis.drive.behind)) {
     return device::modbus::Survey(*modbus, axis.kind);
+  }
+  if (const auto* canopen = std::get_if<device::canopen::CanopenDriveConfig>(&axis.drive.behind)) {
+    return device::canopen::Survey(*canopen, axis.kind);
   }
   throw ConfigError("axis " + axis.name + " has a simulated drive: there is nothing to look at");
 }
