@@ -42,7 +42,7 @@ mount -t 9p -o trans=virtio,msize=262144 shared /shared
 cd /shared
 sh /shared/guest.sh </dev/null >output 2>&1
 echo $? >code
-sync; umount /shared; poweroff -f
+cd /; sync; poweroff -f
 """
 
 
@@ -117,6 +117,7 @@ def run(programs, script, shared, timeout_s):
             capture_output=True, text=True, errors="replace", timeout=timeout_s, stdin=subprocess.DEVNULL)
     output, code = shared / "output", shared / "code"
     printed = output.read_text() if output.exists() else ""
-    if not code.exists() or code.read_text() != "0\n":
-        raise AssertionError(f"the machine failed:\n{printed}\nconsole:\n{console.stdout}{console.stderr}")
+    ended = code.read_text().strip() if code.exists() else "none"
+    if ended != "0":
+        raise AssertionError(f"the machine failed, exit code {ended}:\n{printed}\nconsole:\n{console.stdout}{console.stderr}")
     return printed
