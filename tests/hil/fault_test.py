@@ -1,6 +1,7 @@
 """What the server and the drive do on a CAN bus of the kernel's when something fails."""
 
 import csv
+import math
 import pathlib
 import tempfile
 import unittest
@@ -22,7 +23,7 @@ BEGIN = """
 echo "== {name}"
 /programs/ip link set can0 up
 mkfifo /tmp/commands
-mwidth-drive --config drive.toml </tmp/commands >{name}-drive.log 2>&1 & drive=$!
+mwidth-drive --config drive.toml --hand-motion hand.csv </tmp/commands >{name}-drive.log 2>&1 & drive=$!
 exec 3>/tmp/commands
 await 'listening on' {name}-drive.log
 mwidthd --config drive.toml --drive can0 --listen 127.0.0.1:50051 >{name}-server.log 2>&1 & server=$!
@@ -53,6 +54,14 @@ exec 3>&-; rm /tmp/commands
 """
 
 
+def write_hand_motion(path):
+    """A hand that never rests, so that a force acts whenever something fails."""
+    with path.open("w", newline="") as file:
+        rows = csv.writer(file)
+        rows.writerow(["time_s", "angle_rad"])
+        rows.writerows([i / 100, 0.5 + 0.2 * math.sin(2 * math.pi * i / 100)] for i in range(2000))
+
+
 class FaultTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -61,6 +70,7 @@ class FaultTest(unittest.TestCase):
         cls.shared = pathlib.Path(cls.folder.name)
         link = sessions.Link("drive", "canopen.toml", (('interface = "can0"', 'interface = "can1"'),))
         (cls.shared / "drive.toml").write_text(link.configuration())
+        write_hand_motion(cls.shared / "hand.csv")
         script = sessions.PRELUDE + virtual_machine.CAN_INTERFACES
         for name, (act, _) in FAULTS.items():
             script += BEGIN.format(name=name) + FAULT.format(name=name, act=act)
