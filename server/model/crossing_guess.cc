@@ -16,8 +16,11 @@ std::optional<LoopParameters> GuessWorstPlant(double x, const PlantBox& box, con
   linear.damped_mass = {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
   linear.newest = Exactly(plant.newest.middle());
   linear.oldest = Exactly(plant.oldest.middle());
+  for (Interval& rise : linear.rise) {
+    rise = Exactly(rise.middle());
+  }
   const Arc point(Exactly(x));
-  const CircleRange factor = LoopFactor(estimator, point, linear, box.delay_ticks);
+  const LoopRange factor = LoopFactor(estimator, point, linear, box.delay_ticks);
   const CrossingSizes sizes = BoundCrossings(point, linear, factor, sign);
   if (sizes.none()) {
     return std::nullopt;
@@ -29,7 +32,7 @@ std::optional<LoopParameters> GuessWorstPlant(double x, const PlantBox& box, con
   const double low = box.stiffness.lo * spring - box.mass.hi * mass_factor;
   const double high = box.stiffness.hi * spring - box.mass.lo * mass_factor;
   const double way = high > low ? std::clamp((m * factor.re.middle() - low) / (high - low), 0.0, 1.0) : 0;
-  const double damping = damping_factor > 0 ? m * factor.im.middle() * 4 * x / damping_factor : 0;
+  const double damping = damping_factor > 0 ? m * factor.u_im.middle() / damping_factor : 0;
   return LoopParameters{
       .device_mass = std::clamp(box.mass.hi - way * box.mass.width(), box.mass.lo, box.mass.hi),
       .device_damping = std::clamp(damping, box.damping.lo, box.damping.hi),

@@ -25,22 +25,12 @@ void KeepSolutions(CrossingSizes& sizes, const Interval& value, const Interval& 
 
 Interval Signed(const Interval& a, MassSign sign) noexcept { return sign == MassSign::kPositive ? a : -a; }
 
-}  // namespace
+bool IsZero(const Interval& a) noexcept { return a.lo == 0 && a.hi == 0; }
 
-CircleRange LoopFactor(const EstimatorRange& estimator, const Arc& arc, const PlantRange& plant,
-                       int delay_ticks) noexcept {
-  // n0 + n1/z + n2/z^2 = 1 - (1 - 1/z) (1 - n0 + n2/z)
-  const Interval older = 1 - plant.newest;
-  CircleRange shares{older, older};
-  if (plant.oldest.lo < 0 || plant.oldest.hi > 0) {
-    shares.re = older + plant.oldest * (3 - 4 * arc.x);
-    shares.im = older + plant.oldest * (1 - 4 * arc.x);
-  }
-  shares = {1 - 2 * (arc.x * shares.re), -shares.im};
-  const CircleRange factor = Multiply(estimator.Over(arc), shares, arc);
-  // z^-d = cos(d t) - j sin(d t), multiples of the angle as polynomials of its cosine
+// z^-ticks = cos(n t) - j sin(n t), multiples of the angle as polynomials of its cosine.
+CircleRange Delayed(const CircleRange& factor, const Arc& arc, int ticks) noexcept {
   const Interval& y = arc.cosine;
-  switch (delay_ticks) {
+  switch (ticks) {
     case 0:
       return factor;
     case 1:
@@ -52,7 +42,41 @@ CircleRange LoopFactor(const EstimatorRange& estimator, const Arc& arc, const Pl
   }
 }
 
-CrossingSizes BoundCrossings(const Arc& arc, const PlantRange& plant, const CircleRange& factor,
+// With an accelerometer: e0/w + e1 + e2 w, where 1/w = -1/2 - j sin(t)/u.
+LoopRange SensedFactor(const EstimatorRange& estimator, const Arc& arc, const PlantRange& plant,
+                       int delay_ticks) noexcept {
+  const auto& [pull, latest, newest] = plant.rise;
+  CircleRange factor = Delayed(estimator.Over(arc), arc, delay_ticks);
+  if (!IsZero(newest)) {
+    factor = Delayed(factor, arc, 1);
+  }
+  const Interval u = 4 * arc.x;
+  const Interval re = latest - 0.5 * pull - 2 * (arc.x * newest);
+  const Interval u_im = u * newest - pull;
+  // sin^2(t) = u (1 - x)
+  return {factor.re * re - (1 - arc.x) * (factor.im * u_im), factor.re * u_im + u * (factor.im * re)};
+}
+
+}  // namespace
+
+LoopRange LoopFactor(const EstimatorRange& estimator, const Arc& arc, const PlantRange& plant,
+                     int delay_ticks) noexcept {
+  if (!IsZero(estimator.sensor_rate())) {
+    return SensedFactor(estimator, arc, plant, delay_ticks);
+  }
+  // n0 + n1/z + n2/z^2 = 1 - (1 - 1/z) (1 - n0 + n2/z)
+  const Interval older = 1 - plant.newest;
+  CircleRange shares{older, older};
+  if (!IsZero(plant.oldest)) {
+    shares.re = older + plant.oldest * (3 - 4 * arc.x);
+    shares.im = older + plant.oldest * (1 - 4 * arc.x);
+  }
+  shares = {1 - 2 * (arc.x * shares.re), -shares.im};
+  const CircleRange factor = Delayed(Multiply(estimator.Over(arc), shares, arc), arc, delay_ticks);
+  return {factor.re, 4 * (arc.x * factor.im)};
+}
+
+CrossingSizes BoundCrossings(const Arc& arc, const PlantRange& plant, const LoopRange& factor,
                              MassSign sign) noexcept {
   CrossingSizes sizes;
   if (plant.knowledge == PlantKnowledge::kNone) {
@@ -75,24 +99,25 @@ CrossingSizes BoundCrossings(const Arc& arc, const PlantRange& plant, const Circ
   if (arc.real()) {
     return sizes;
   }
-  KeepSolutions(sizes, over_u(plant.damping), Signed(factor.im, sign));
-  KeepSolutions(sizes, minus(spring, plant.damped_mass), Signed(factor.re + 2 * (arc.x * factor.im), sign));
+  KeepSolutions(sizes, plant.damping, Signed(factor.u_im, sign));
+  KeepSolutions(sizes, minus(spring, plant.damped_mass), Signed(factor.re + 0.5 * factor.u_im, sign));
   return sizes;
 }
 
-bool Narrow(PlantBox& box, const Arc& arc, const PlantRange& plant, const CircleRange& factor, MassSign sign,
+bool Narrow(PlantBox& box, const Arc& arc, const PlantRange& plant, const LoopRange& factor, MassSign sign,
             const CrossingSizes& sizes) noexcept {
-  constexpr double kTame = 0.02;  // below this alpha and kappa change X, Y and V little anyway
+  // Below this alpha and kappa change X, Y and V little anyway, but for what an accelerometer sees.
+  constexpr double kTame = 0.02;
   constexpr double kGoodPart = 0.7;
   if (plant.knowledge != PlantKnowledge::kBounded || arc.real() ||
-      (plant.alpha.hi < kTame && plant.kappa.hi < kTame)) {
+      (IsZero(plant.rise[1]) && plant.alpha.hi < kTame && plant.kappa.hi < kTame)) {
     return false;
   }
   // Both equations divided by mu: kappa = u (X +- (m/mu) R), 2 alpha = u (+-(m/mu) I) / Y.
   const Interval u = 4 * arc.x;
   const Interval ratio = Signed({Below(sizes.lo / box.mass.hi), Above(sizes.hi / box.mass.lo)}, sign);
   const Interval kappa = Meet(plant.kappa, u * (plant.mass_factor + ratio * factor.re));
-  const Interval alpha = Meet(plant.alpha, u * (ratio * factor.im) / (2 * plant.damping_factor));
+  const Interval alpha = Meet(plant.alpha, ratio * factor.u_im / (2 * plant.damping_factor));
   if (kappa.width() > kGoodPart * plant.kappa.width() && alpha.width() > kGoodPart * plant.alpha.width()) {
     return false;
   }

@@ -16,7 +16,8 @@ LoopParameters Corner(const LoopEnvelope& envelope, double ParameterRange::*end)
           .period_s = envelope.period_s,
           .cutoff_hz = envelope.cutoff_hz,
           .delay_s = envelope.delay_bound_s,
-          .estimator = envelope.estimator};
+          .estimator = envelope.estimator,
+          .accelerometer_bandwidth_hz = envelope.accelerometer_bandwidth_hz};
 }
 
 }  // namespace
@@ -30,15 +31,11 @@ LoopEnvelope EnvelopeOf(const LoopParameters& loop) {
           .period_s = loop.period_s,
           .cutoff_hz = loop.cutoff_hz,
           .delay_bound_s = loop.delay_s,
-          .estimator = loop.estimator};
+          .estimator = loop.estimator,
+          .accelerometer_bandwidth_hz = loop.accelerometer_bandwidth_hz};
 }
 
 std::optional<ParameterError> Validate(const LoopEnvelope& envelope) {
-  if (IsAccelerometer(envelope.estimator)) {
-    return ParameterError{
-        "estimator", static_cast<double>(envelope.estimator),
-        "one that estimates from positions: bounds for whole envelopes know no accelerometer"};
-  }
   for (double ParameterRange::*end : {&ParameterRange::min, &ParameterRange::max}) {
     if (auto error = Validate(Corner(envelope, end))) {
       if (error->parameter == "delay_s") {
@@ -60,7 +57,7 @@ std::optional<ParameterError> Validate(const LoopEnvelope& envelope) {
     if (range.min > range.max) {
       return ParameterError{
           name, range.min,
-          "in a range that is not empty: its min at most its max (" + std::to_string(range.max) + ")"};
+          "in a range that is not empty: its min at most its max (" + ParameterNumber(range.max) + ")"};
     }
   }
   return std::nullopt;

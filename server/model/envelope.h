@@ -43,8 +43,9 @@ struct LoopEnvelope {
   double cutoff_hz = 0;
   /// The delay may be anything from 0 to this.
   double delay_bound_s = 0;
-  /// One of kEstimatorKinds: of accelerometers nothing is proved but for a single loop, by its M-width.
   EstimatorKind estimator = EstimatorKind::kFilteredDifference;
+  /// Of the sensor itself; of accelerometers only.
+  double accelerometer_bandwidth_hz = 0;
 
   bool operator==(const LoopEnvelope&) const = default;
 };
@@ -53,8 +54,8 @@ struct LoopEnvelope {
 LoopEnvelope EnvelopeOf(const LoopParameters& loop);
 
 /// The first parameter that is not finite, out of range (Validate of loop_parameters.h has the ranges) or
-/// whose range is empty, min above max; or
-/// an accelerometer. ParameterError::parameter is the field's name in the structs above.
+/// whose range is empty, min above max.
+/// ParameterError::parameter is the field's name in the structs above.
 std::optional<ParameterError> Validate(const LoopEnvelope& envelope);
 
 }  // namespace mwidth::model

@@ -11,7 +11,7 @@ EstimatorFactors FactorsOf(EstimatorKind kind, double period_s, double cutoff_hz
     case EstimatorKind::kKalman:
       return KalmanLowPass::Factors(period_s, cutoff_hz);
     case EstimatorKind::kFilteredDifference:
-    // Accelerometers are refused by the precondition: there is no C(z) of theirs.
+    // The filter alone: of an accelerometer there is no C(z).
     case EstimatorKind::kAccelerometer:
     case EstimatorKind::kFilteredAccelerometer:
       break;
@@ -29,8 +29,9 @@ AccelerationEstimator::LowPass AccelerationEstimator::MakeLowPass(EstimatorKind 
       return ButterworthLowPass(factors);
     case EstimatorKind::kKalman:
       return KalmanLowPass(factors);
-    case EstimatorKind::kFilteredDifference:
     case EstimatorKind::kAccelerometer:
+      return DirectSignal();
+    case EstimatorKind::kFilteredDifference:
     case EstimatorKind::kFilteredAccelerometer:
       break;
   }
@@ -38,11 +39,14 @@ AccelerationEstimator::LowPass AccelerationEstimator::MakeLowPass(EstimatorKind 
 }
 
 AccelerationEstimator::AccelerationEstimator(double period_s, double cutoff_hz, EstimatorKind kind) noexcept
-    : period_s_(period_s), low_pass_(MakeLowPass(kind, period_s, cutoff_hz)) {}
+    : period_s_(period_s),
+      low_pass_(MakeLowPass(kind, period_s, cutoff_hz)),
+      senses_(IsAccelerometer(kind)) {}
 
 AccelerationEstimator AccelerationEstimator::ChangedTo(EstimatorKind kind, double cutoff_hz) const noexcept {
   AccelerationEstimator changed(*this);
   changed.low_pass_ = MakeLowPass(kind, period_s_, cutoff_hz);
+  changed.senses_ = IsAccelerometer(kind);
   changed.Settle(acceleration_);
   return changed;
 }

@@ -1,4 +1,5 @@
-// How acceleration is estimated from sampled positions: as the loop computes it, and as the model sees it.
+// How acceleration is estimated from sampled positions, or had from an accelerometer: as the loop computes
+// it, and as the model sees it.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +11,8 @@
 
 namespace mwidth::model {
 
-/// C(z) of what AccelerationEstimator runs. Precondition: Runs(kind, period_s, cutoff_hz). Any thread. Rt.
+/// C(z) of what AccelerationEstimator runs from positions. Precondition: Runs(kind, period_s, cutoff_hz), and
+/// not IsAccelerometer(kind), of which accelerometer.h has the factors. Any thread. Rt.
 EstimatorFactors FactorsOf(EstimatorKind kind, double period_s, double cutoff_hz) noexcept;
 
 /// Double backward difference (eq. 3), then a low-pass filter, for sample period T:
@@ -18,8 +20,8 @@ EstimatorFactors FactorsOf(EstimatorKind kind, double period_s, double cutoff_hz
 ///   v(k) = (x(k) - x(k-1)) / T     d(k) = (v(k) - v(k-1)) / T     a_hat(k) = filter of d(k)
 ///
 /// in this order of operations, so that whoever has the positions gets the same bits; the filters are in
-/// low_pass.h. Positions in m or rad, velocities and accelerations per s and s^2. One thread. Rt, copies and
-/// construction included.
+/// low_pass.h. With an accelerometer d(k) is what that told with the position instead. Positions in m or rad,
+/// velocities and accelerations per s and s^2. One thread. Rt, copies and construction included.
 class AccelerationEstimator {
  public:
   /// The longest gap that Update bridges; after a longer one it starts afresh.
@@ -50,15 +52,21 @@ class AccelerationEstimator {
   /// so that the sum of d(k) T is still the true change of velocity. Holding the old position instead would
   /// put a velocity of `periods` times the true one into the last sample, and the double difference would
   /// throw the motor.
-  double Update(double position, uint64_t periods = 1) noexcept {
+  ///
+  /// `sensed` is what the accelerometer told with the position, m/s^2 or rad/s^2; of no account without one.
+  /// It stands for what it would have told in the periods missed.
+  double Update(double position, uint64_t periods = 1, double sensed = 0) noexcept {
     if (!primed_ || periods > kMaxBridgedPeriods) {
       Reset(position);
+      if (senses_) {
+        Settle(sensed);
+      }
       return acceleration_;
     }
     const double velocity = (position - position_) / (static_cast<double>(periods) * period_s_);
-    Filter((velocity - velocity_) / period_s_);
+    Filter(senses_ ? sensed : (velocity - velocity_) / period_s_);
     for (uint64_t i = 1; i < periods; ++i) {
-      Filter(0);
+      Filter(senses_ ? sensed : 0);
     }
     position_ = position;
     velocity_ = velocity;
@@ -71,7 +79,8 @@ class AccelerationEstimator {
   double acceleration() const noexcept { return acceleration_; }
 
  private:
-  using LowPass = std::variant<FirstOrderLowPass, LateFirstOrderLowPass, ButterworthLowPass, KalmanLowPass>;
+  using LowPass =
+      std::variant<FirstOrderLowPass, LateFirstOrderLowPass, ButterworthLowPass, KalmanLowPass, DirectSignal>;
 
   static LowPass MakeLowPass(EstimatorKind kind, double period_s, double cutoff_hz) noexcept;
   // std::visit, which may throw, without its throw.
@@ -85,6 +94,8 @@ class AccelerationEstimator {
       function(*butterworth);
     } else if (auto* kalman = std::get_if<KalmanLowPass>(&low_pass_)) {
       function(*kalman);
+    } else if (auto* direct = std::get_if<DirectSignal>(&low_pass_)) {
+      function(*direct);
     }
   }
   void Filter(double difference) noexcept {
@@ -100,6 +111,7 @@ class AccelerationEstimator {
   double position_ = 0;
   double velocity_ = 0;
   double acceleration_ = 0;
+  bool senses_ = false;
   bool primed_ = false;
 };
 

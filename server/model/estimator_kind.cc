@@ -56,8 +56,9 @@ bool Contains(const CutoffRange& range, double period_s, double cutoff_hz) noexc
 }
 
 bool Runs(EstimatorKind kind, double period_s, double cutoff_hz) noexcept {
-  return std::find(kEstimatorKinds.begin(), kEstimatorKinds.end(), kind) != kEstimatorKinds.end() &&
-         Contains(CutoffRangeOf(kind), period_s, cutoff_hz);
+  const bool known = IsAccelerometer(kind) ||
+                     std::find(kEstimatorKinds.begin(), kEstimatorKinds.end(), kind) != kEstimatorKinds.end();
+  return known && Contains(CutoffRangeOf(kind), period_s, cutoff_hz);
 }
 
 }  // namespace mwidth::model

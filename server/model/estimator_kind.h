@@ -30,12 +30,12 @@ enum class EstimatorKind : uint8_t {
   kFilteredAccelerometer,
 };
 
-/// All that need nothing but positions: what AccelerationEstimator runs.
+/// All that need nothing but positions.
 inline constexpr std::array<EstimatorKind, 4> kEstimatorKinds{
     EstimatorKind::kFilteredDifference, EstimatorKind::kLateFilteredDifference, EstimatorKind::kButterworth,
     EstimatorKind::kKalman};
 
-/// All that need an accelerometer. The model knows them; the rendering loop does not run them.
+/// All that need an accelerometer, too.
 inline constexpr std::array<EstimatorKind, 2> kAccelerometerKinds{EstimatorKind::kAccelerometer,
                                                                   EstimatorKind::kFilteredAccelerometer};
 
@@ -68,8 +68,8 @@ CutoffRange CutoffRangeOf(EstimatorKind kind) noexcept;
 /// false for NaN. Any thread. Rt.
 bool Contains(const CutoffRange& range, double period_s, double cutoff_hz) noexcept;
 
-/// True where AccelerationEstimator runs `kind`, one of kEstimatorKinds, at `cutoff_hz` with the sample
-/// period `period_s`; false for NaN and for accelerometers. Any thread. Rt.
+/// True where AccelerationEstimator runs `kind`, one of kEstimatorKinds or kAccelerometerKinds, at
+/// `cutoff_hz` with the sample period `period_s`; false for NaN. Any thread. Rt.
 bool Runs(EstimatorKind kind, double period_s, double cutoff_hz) noexcept;
 
 }  // namespace mwidth::model

@@ -22,9 +22,12 @@ CircleRange Scale(const Interval& factor, const CircleRange& a) noexcept {
   return {factor * a.re, factor * a.im};
 }
 
-FirstOrderRange PapersFilter(double period_s, double cutoff_hz) noexcept {
+Interval DecayPerTick(double period_s, double cutoff_hz) noexcept {
   const Interval pi{std::numbers::pi, Above(std::numbers::pi)};
-  const Interval per_tick = 2 * (pi * Exactly(cutoff_hz) * Exactly(period_s));
+  return 2 * (pi * Exactly(cutoff_hz) * Exactly(period_s));
+}
+
+FirstOrderRange PapersFilter(const Interval& per_tick) noexcept {
   return {per_tick * MeanDecay(per_tick), Exp(-per_tick)};
 }
 
@@ -80,9 +83,17 @@ CircleRange SecondOrderRange::Over(const Arc& arc) const noexcept {
   return Scale(at_c_, {re, -(turn_ / size)});
 }
 
-EstimatorRange::EstimatorRange(EstimatorKind kind, double period_s, double cutoff_hz) noexcept : kind_(kind) {
+EstimatorRange::EstimatorRange(EstimatorKind kind, double period_s, double cutoff_hz,
+                               double accelerometer_bandwidth_hz) noexcept
+    : kind_(kind) {
+  if (IsAccelerometer(kind)) {
+    sensor_rate_ = DecayPerTick(period_s, accelerometer_bandwidth_hz);
+    sensor_ = PapersFilter(sensor_rate_);
+    first_order_ = PapersFilter(DecayPerTick(period_s, cutoff_hz));
+    return;
+  }
   if (kind == EstimatorKind::kFilteredDifference || kind == EstimatorKind::kLateFilteredDifference) {
-    first_order_ = PapersFilter(period_s, cutoff_hz);
+    first_order_ = PapersFilter(DecayPerTick(period_s, cutoff_hz));
     return;
   }
   const EstimatorFactors factors = FactorsOf(kind, period_s, cutoff_hz);
@@ -102,6 +113,10 @@ CircleRange EstimatorRange::Over(const Arc& arc) const noexcept {
       return Scale(1 - arc.x, Multiply(second_order_.Over(arc), Later(arc), arc));
     case EstimatorKind::kKalman:
       return Multiply(Multiply(second_order_.Over(arc), first_order_.Over(arc), arc), Earlier(arc), arc);
+    case EstimatorKind::kAccelerometer:
+      return sensor_.Over(arc);
+    case EstimatorKind::kFilteredAccelerometer:
+      return Multiply(Multiply(sensor_.Over(arc), first_order_.Over(arc), arc), Earlier(arc), arc);
     default:
       return first_order_.Over(arc);
   }

@@ -79,20 +79,27 @@ class SecondOrderRange {
   Interval square_{};
 };
 
-/// The estimator C(z) of a loop, from positions.
+/// The estimator of a loop.
 class EstimatorRange {
  public:
   /// Encloses the coefficients that the loop runs with, give or take 64 units in the last place.
-  /// Precondition: Runs(kind, period_s, cutoff_hz).
-  EstimatorRange(EstimatorKind kind, double period_s, double cutoff_hz) noexcept;
+  /// Precondition: what Validate asks of the estimator's numbers in loop_parameters.h.
+  EstimatorRange(EstimatorKind kind, double period_s, double cutoff_hz,
+                 double accelerometer_bandwidth_hz = 0) noexcept;
 
-  /// Encloses -T^2 C(z)/u, which is 1 at standstill. Any thread.
+  /// Encloses -T^2 C(z)/u, which is 1 at standstill; of an accelerometer H(z) f_a/(w + f_a), likewise. Any
+  /// thread.
   CircleRange Over(const Arc& arc) const noexcept;
+
+  /// w_a T of an accelerometer; exactly 0 without one. Any thread.
+  const Interval& sensor_rate() const noexcept { return sensor_rate_; }
 
  private:
   EstimatorKind kind_;
   FirstOrderRange first_order_;
   SecondOrderRange second_order_;
+  FirstOrderRange sensor_;
+  Interval sensor_rate_{};
 };
 
 }  // namespace mwidth::model

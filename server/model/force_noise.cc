@@ -60,13 +60,14 @@ std::optional<double> OpenLoopForceNoise(const LinearEstimator& estimator, doubl
   return Deviation(Scaled(estimator.numerator, mass), estimator.denominator, position_quantum);
 }
 
-std::optional<double> ForceNoise(const LoopParameters& loop, double mass, double position_quantum) {
+std::optional<double> ForceNoise(const LoopParameters& loop, double mass, double position_quantum,
+                                 double acceleration_quantum) {
+  if (IsAccelerometer(loop.estimator)) {
+    return AccelerometerForceNoise(loop, mass, acceleration_quantum / std::sqrt(12));
+  }
   // Beyond an edge the loop may be stable again, but no ramp of the mass gets there.
   if (!ComputeMWidth(loop).Contains(mass)) {
     return std::nullopt;
-  }
-  if (IsAccelerometer(loop.estimator)) {
-    return 0;
   }
   const LinearEstimator estimator = EstimatorOf(loop);
   const Plant plant = InDifferences(Discretize(loop));

@@ -28,9 +28,11 @@ std::optional<double> OpenLoopForceNoise(const LinearEstimator& estimator, doubl
 /// that is measured again. This is the one to limit: near an edge of the M-width the loop rings with
 /// every count, and the open loop would not tell. None where `mass` is outside of the M-width.
 ///
-/// An accelerometer does not see the encoder: 0 with one. `position_quantum` at least 0, m or rad.
-/// Precondition: Validate(loop) is empty. Any thread.
-std::optional<double> ForceNoise(const LoopParameters& loop, double mass, double position_quantum);
+/// An accelerometer does not see the encoder: with one, AccelerometerForceNoise of its own counts, whose
+/// noise is white while the acceleration changes by many of them. `position_quantum`, m or rad, and
+/// `acceleration_quantum`, m/s^2 or rad/s^2, at least 0. Precondition: Validate(loop) is empty. Any thread.
+std::optional<double> ForceNoise(const LoopParameters& loop, double mass, double position_quantum,
+                                 double acceleration_quantum = 0);
 
 /// Standard deviation of M H / (1 + M H A) N with an accelerometer whose samples have white noise N of
 /// standard deviation `sample_noise`, at least 0, m/s^2 or rad/s^2 (accelerometer.h has A). A sensor whose

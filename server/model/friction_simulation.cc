@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
+
+#include "server/model/accelerometer_response.h"
 
 namespace mwidth::model {
 namespace {
@@ -19,6 +22,8 @@ FrictionSimulation::FrictionSimulation(const LoopParameters& loop, double coulom
       mass_(loop.device_mass + loop.hand_mass),
       hand_damping_rate_(loop.hand_damping / mass_),
       friction_(coulomb_friction / mass_),
+      sensor_rate_(IsAccelerometer(loop.estimator) ? 2 * std::numbers::pi * loop.accelerometer_bandwidth_hz
+                                                   : 0),
       force_(loop.delay_s / loop.period_s) {
   const double early_s = period_s_ * force_.fraction();
   const double late_s = period_s_ * (1 - force_.fraction());
@@ -30,7 +35,18 @@ void FrictionSimulation::Reset(double position, double velocity, double hand_pos
   position_ = position;
   velocity_ = velocity;
   hand_position_ = hand_position;
+  sensed_ = 0;
   force_.Reset();
+}
+
+void FrictionSimulation::Sense(double time_s, double acceleration, double acceleration_rate) noexcept {
+  if (sensor_rate_ == 0) {
+    return;
+  }
+  const AccelerometerResponse response =
+      SenseAfter(time_s, plant_.damping_rate(), plant_.stiffness_rate(), sensor_rate_);
+  sensed_ =
+      response.kept * sensed_ + response.after_step * acceleration + response.after_ramp * acceleration_rate;
 }
 
 double FrictionSimulation::Pull(double force) const noexcept {
@@ -55,6 +71,7 @@ double FrictionSimulation::SlideOn(double direction, double sliding_pull, const 
                     .direction = direction};
   const std::optional<double> stop = plant_.FindStop(slide, part.time_s, part.response);
   const PlantResponse response = stop ? plant_.After(*stop) : part.response;
+  Sense(stop ? *stop : part.time_s, slide.acceleration, slide.pull_rate);
   position_ += response.impulse * velocity_ + response.step * sliding_pull + response.ramp * pull_rate;
   if (stop) {
     velocity_ = 0;
@@ -78,6 +95,7 @@ void FrictionSimulation::Pass(const Part& part, double force) noexcept {
       pull = stopped_from * pull > friction_ ? stopped_from * friction_ : pull;
       if (std::abs(pull) <= friction_) {
         const double sticking_s = StickingTime(pull, rest.time_s);
+        Sense(sticking_s, 0, 0);
         MoveHand(sticking_s);
         rest.time_s -= sticking_s;
         // If it breaks loose, then where the hand's motion has just brought the pull up to friction.

@@ -22,7 +22,8 @@ namespace mwidth::model {
 /// device on its spring, so a tick takes bounded time, which grows only where many swings fit into one tick.
 class FrictionSimulation {
  public:
-  /// `coulomb_friction` F_c in N or N m, finite, at least 0. Other preconditions as HybridSimulation.
+  /// `coulomb_friction` F_c in N or N m, finite, at least 0. Other preconditions as HybridSimulation. Where
+  /// loop.estimator is an accelerometer, that is stepped along.
   FrictionSimulation(const LoopParameters& loop, double coulomb_friction) noexcept;
 
   /// As HybridSimulation's. Rt.
@@ -35,6 +36,8 @@ class FrictionSimulation {
   double position() const noexcept { return position_; }
   double velocity() const noexcept { return velocity_; }
   double hand_position() const noexcept { return hand_position_; }
+  /// What the accelerometer tells now, m/s^2 or rad/s^2; 0 without one.
+  double sensed() const noexcept { return sensed_; }
 
  private:
   /// A part of the tick under one force, and the plant's response over the whole of it.
@@ -51,6 +54,9 @@ class FrictionSimulation {
   /// Slides in `direction` until `part` is over or the device stops; returns the time left. `sliding_pull`
   /// is the pull less friction.
   double SlideOn(double direction, double sliding_pull, const Part& part) noexcept;
+  /// What the accelerometer tells after a slide or a rest of `time_s` from now, under an acceleration and its
+  /// slope: exactly, as AccelerometerSimulation.
+  void Sense(double time_s, double acceleration, double acceleration_rate) noexcept;
   void MoveHand(double time_s) noexcept { hand_position_ += hand_velocity_ * time_s; }
 
   SlidingPlant plant_;
@@ -59,6 +65,8 @@ class FrictionSimulation {
   /// b_h and F_c per mass.
   double hand_damping_rate_;
   double friction_;
+  /// w_a; 0 without an accelerometer.
+  double sensor_rate_;
   DelayedForce force_;
   Part early_;
   Part late_;
@@ -66,6 +74,7 @@ class FrictionSimulation {
   double velocity_ = 0;
   double hand_position_ = 0;
   double hand_velocity_ = 0;
+  double sensed_ = 0;
 };
 
 }  // namespace mwidth::model

@@ -20,15 +20,6 @@ struct Range {
   const char* allowed;
 };
 
-std::string Number(double value) {
-  std::array<char, 32> text{};
-  // The shortest form that tells a value just out of range from the limit.
-  if (std::snprintf(text.data(), text.size(), "%.10g", value) < 0) {
-    return "?";
-  }
-  return text.data();
-}
-
 // Written so that NaN is out of range.
 bool Holds(const Range& range) { return range.value >= range.min && range.value <= range.max; }
 
@@ -51,17 +42,28 @@ std::optional<ParameterError> ValidateEstimator(const LoopParameters& loop) {
   if (Contains(range, loop.period_s, loop.cutoff_hz)) {
     return std::nullopt;
   }
-  std::string allowed = range.min > 0 ? "at least " + Number(range.min / loop.period_s) + " Hz" : "above 0";
-  allowed += ", at most " +
-             (range.max == 0.5 ? "half the sample rate" : Number(range.max) + " of the sample rate") + " (" +
-             Number(range.max / loop.period_s) + " Hz)";
+  std::string allowed =
+      range.min > 0 ? "at least " + ParameterNumber(range.min / loop.period_s) + " Hz" : "above 0";
+  allowed +=
+      ", at most " +
+      (range.max == 0.5 ? "half the sample rate" : ParameterNumber(range.max) + " of the sample rate") +
+      " (" + ParameterNumber(range.max / loop.period_s) + " Hz)";
   return ParameterError{"cutoff_hz", loop.cutoff_hz, allowed};
 }
 
 }  // namespace
 
+std::string ParameterNumber(double value) {
+  std::array<char, 32> text{};
+  // The shortest form that tells a value just out of range from the limit.
+  if (std::snprintf(text.data(), text.size(), "%.10g", value) < 0) {
+    return "?";
+  }
+  return text.data();
+}
+
 std::string ParameterError::Message() const {
-  return parameter + " = " + Number(value) + " is not allowed: it must be " + allowed;
+  return parameter + " = " + ParameterNumber(value) + " is not allowed: it must be " + allowed;
 }
 
 std::optional<ParameterError> Validate(const LoopParameters& loop) {
@@ -83,7 +85,7 @@ std::optional<ParameterError> Validate(const LoopParameters& loop) {
   }
   const double delay_max_s = 3 * loop.period_s;
   if (!(loop.delay_s >= 0 && loop.delay_s <= delay_max_s * kRounding)) {
-    return ParameterError{"delay_s", loop.delay_s, "0 to 3 periods (" + Number(delay_max_s) + " s)"};
+    return ParameterError{"delay_s", loop.delay_s, "0 to 3 periods (" + ParameterNumber(delay_max_s) + " s)"};
   }
   return std::nullopt;
 }

@@ -33,6 +33,9 @@ struct LoopParameters {
   double accelerometer_bandwidth_hz = 0;
 };
 
+/// A number as messages about parameters have it: the shortest form of at most ten digits. Any thread.
+std::string ParameterNumber(double value);
+
 /// A parameter that is not finite or out of range.
 struct ParameterError {
   /// Field of LoopParameters, or another argument's name.

@@ -1,15 +1,17 @@
 #include "server/model/loop_simulation.h"
 
 #include <array>
-#include <stdexcept>
 
 namespace mwidth::model {
 namespace {
 
-std::variant<HybridSimulation, FrictionSimulation> PlantOf(const LoopParameters& loop,
-                                                           double coulomb_friction) noexcept {
+std::variant<HybridSimulation, AccelerometerSimulation, FrictionSimulation> PlantOf(
+    const LoopParameters& loop, double coulomb_friction) noexcept {
   if (coulomb_friction > 0) {
     return FrictionSimulation(loop, coulomb_friction);
+  }
+  if (IsAccelerometer(loop.estimator)) {
+    return AccelerometerSimulation(loop);
   }
   return HybridSimulation(loop);
 }
@@ -27,7 +29,8 @@ std::optional<ParameterError> Validate(const Imperfections& imperfections) {
     const char* name;
     double value;
   };
-  const std::array<Size, 3> sizes{{{"position_quantum", imperfections.position_quantum},
+  const std::array<Size, 4> sizes{{{"position_quantum", imperfections.position_quantum},
+                                   {"acceleration_quantum", imperfections.acceleration_quantum},
                                    {"force_quantum", imperfections.force_quantum},
                                    {"coulomb_friction", imperfections.coulomb_friction}}};
   for (const Size& size : sizes) {
@@ -48,16 +51,14 @@ LoopSimulation::LoopSimulation(const LoopParameters& loop, double mass, const Im
       ideal_motor_(imperfections.force_quantum == 0 && std::isinf(imperfections.force_limit)),
       largest_counts_(imperfections.force_quantum > 0 ? LargestCounts(imperfections) : 0),
       estimator_(loop.period_s, loop.cutoff_hz, loop.estimator),
-      plant_(PlantOf(loop, imperfections.coulomb_friction)) {
-  if (IsAccelerometer(loop.estimator)) {
-    throw std::invalid_argument("the simulated loop reads positions, not an accelerometer");
-  }
-}
+      plant_(PlantOf(loop, imperfections.coulomb_friction)) {}
 
 void LoopSimulation::Reset(double position, double velocity, double hand_position) noexcept {
   estimator_.Reset(Read(position));
   if (auto* smooth = std::get_if<HybridSimulation>(&plant_)) {
     smooth->Reset(position, velocity, hand_position);
+  } else if (auto* sensed = std::get_if<AccelerometerSimulation>(&plant_)) {
+    sensed->Reset(position, velocity, hand_position);
   } else {
     std::get_if<FrictionSimulation>(&plant_)->Reset(position, velocity, hand_position);
   }

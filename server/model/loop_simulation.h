@@ -2,8 +2,9 @@
 //
 //   X(k) -> encoder -> estimate a_hat(k) -> M a_hat(k) -> limit, motor's quantum -> delay -> device and hand
 //
-// With no imperfection it is the model whose M-width is computed: HybridSimulation and AccelerationEstimator
-// with eq. 5 between them, bit for bit. Each imperfection is then told from the model by switching it on.
+// With no imperfection it is the model whose M-width is computed: HybridSimulation, or
+// AccelerometerSimulation whose sensor is read beside the encoder, and AccelerationEstimator with eq. 5
+// between them, bit for bit. Each imperfection is then told from the model by switching it on.
 #pragma once
 
 #include <algorithm>
@@ -12,6 +13,7 @@
 #include <optional>
 #include <variant>
 
+#include "server/model/accelerometer_simulation.h"
 #include "server/model/estimator.h"
 #include "server/model/friction_simulation.h"
 #include "server/model/hybrid_simulation.h"
@@ -23,6 +25,8 @@ namespace mwidth::model {
 struct Imperfections {
   /// One encoder count in m or rad; positions are read to the nearest. 0: exact.
   double position_quantum = 0;
+  /// One count of the accelerometer in m/s^2 or rad/s^2, likewise; of no account without one.
+  double acceleration_quantum = 0;
   /// One count of the force in N or N m; forces are rounded to the nearest. 0: exact.
   double force_quantum = 0;
   /// Coulomb friction of the device in N or N m.
@@ -52,8 +56,8 @@ struct LoopSample {
 /// not numbers; a step never fails. One thread. All but the constructor is Rt.
 class LoopSimulation {
  public:
-  /// At rest at 0. Throws std::invalid_argument for an accelerometer, which AccelerometerSimulation has.
-  /// Precondition: Validate of `loop` and of `imperfections` is empty; `mass` is finite.
+  /// At rest at 0, the sensor too. Precondition: Validate of `loop` and of `imperfections` is empty; `mass`
+  /// is finite.
   LoopSimulation(const LoopParameters& loop, double mass, const Imperfections& imperfections = {});
 
   /// As after a long rest of the estimator at `position`, but with `velocity`; no force acts or is on its
@@ -66,6 +70,9 @@ class LoopSimulation {
     if (auto* smooth = std::get_if<HybridSimulation>(&plant_)) {
       return StepOn(*smooth, hand_position_next);
     }
+    if (auto* sensed = std::get_if<AccelerometerSimulation>(&plant_)) {
+      return StepOn(*sensed, hand_position_next);
+    }
     return StepOn(*std::get_if<FrictionSimulation>(&plant_), hand_position_next);
   }
 
@@ -73,9 +80,18 @@ class LoopSimulation {
   template <typename Plant>
   LoopSample StepOn(Plant& plant, double hand_position_next) noexcept;
 
-  double Read(double position) const noexcept {
-    const double quantum = imperfections_.position_quantum;
-    return quantum > 0 ? std::round(position / quantum) * quantum : position;
+  static double Counted(double value, double quantum) noexcept {
+    return quantum > 0 ? std::round(value / quantum) * quantum : value;
+  }
+  double Read(double position) const noexcept { return Counted(position, imperfections_.position_quantum); }
+  template <typename Plant>
+  double Estimate(const Plant& plant) noexcept {
+    if constexpr (requires { plant.sensed(); }) {
+      return estimator_.Update(Read(plant.position()), 1,
+                               Counted(plant.sensed(), imperfections_.acceleration_quantum));
+    } else {
+      return estimator_.Update(Read(plant.position()));
+    }
   }
   double Deliver(double force) const noexcept {
     // A branch that is foreseen, rather than a clamp to infinity that the next position would wait for.
@@ -97,7 +113,7 @@ class LoopSimulation {
   /// What the limit leaves of whole counts, where the force has a quantum.
   double largest_counts_;
   AccelerationEstimator estimator_;
-  std::variant<HybridSimulation, FrictionSimulation> plant_;
+  std::variant<HybridSimulation, AccelerometerSimulation, FrictionSimulation> plant_;
 };
 
 // Inline for the same reason as HybridSimulation's: a caller that needs one number of a sample pays for one.
@@ -109,7 +125,7 @@ LoopSample LoopSimulation::StepOn(Plant& plant, double hand_position_next) noexc
   const double hand_velocity = (hand_position_next - hand_position) / loop_.period_s;
   sample.hand_force = loop_.hand_stiffness * (hand_position - sample.position) +
                       loop_.hand_damping * (hand_velocity - sample.velocity);
-  sample.acceleration = estimator_.Update(Read(sample.position));
+  sample.acceleration = Estimate(plant);
   sample.force = Deliver(mass_ * sample.acceleration);
   plant.Command(sample.force);
   plant.Advance(hand_position_next);

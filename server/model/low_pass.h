@@ -1,4 +1,5 @@
-// The filters behind the double difference d(k): what the loop computes, and the factors of what it computes.
+// The filters behind the double difference d(k), or behind an accelerometer: what the loop computes, and the
+// factors of what it computes.
 //
 // Each is one small type. Factors is its transfer function C(z), double difference included; the recurrence
 // of Update takes its coefficients from there, so that what is certified is what runs. Update takes d(k) in
@@ -12,6 +13,13 @@
 #include "server/model/estimator_factors.h"
 
 namespace mwidth::model {
+
+/// No filter: what an accelerometer tells, as it is.
+class DirectSignal {
+ public:
+  double Update(double acceleration) noexcept { return acceleration; }
+  void Settle(double) noexcept {}
+};
 
 /// The paper's H(z) = (1 - a) z / (z - a), a = e^(-w0 T) (eq. 4):
 ///

@@ -9,7 +9,9 @@
 #include <stdexcept>
 #include <vector>
 
+#include "server/model/accelerometer.h"
 #include "server/model/delay_margin.h"
+#include "server/model/delay_margin_search.h"
 #include "server/model/level_set.h"
 #include "server/model/open_loop.h"
 #include "server/model/plant.h"
@@ -60,14 +62,16 @@ bool Lower(Margin& worst, const Margin& margin) {
   return lower;
 }
 
-}  // namespace
-
-Margins ComputeMargins(const LoopParameters& loop, double mass) {
-  return ComputeMargins(loop, EstimatorOf(loop), ComputeMWidth(loop), mass);
+OpenLoop SensedLoop(const LoopParameters& loop, double mass) {
+  const SampledPlant plant = Discretize(loop);
+  return {plant, DiscretizeAcceleration(loop, plant), AccelerometerFilter(loop),
+          loop.device_mass + loop.hand_mass, mass};
 }
 
-Margins ComputeMargins(const LoopParameters& loop, const LinearEstimator& estimator, const MWidth& m_width,
-                       double mass) {
+// `open` and `delay` are asked only where the mass is inside the M-width and not 0.
+template <typename Open, typename Delay>
+Margins MarginsOf(const LoopParameters& loop, const MWidth& m_width, double mass, const Open& open_loop,
+                  const Delay& delay) {
   Margins margins;
   margins.stable = m_width.Contains(mass);
   margins.gain.value = GainMargin(m_width, mass);
@@ -81,15 +85,34 @@ Margins ComputeMargins(const LoopParameters& loop, const LinearEstimator& estima
   }
   margins.gain.critical_hz = (mass > 0 ? m_width.upper : m_width.lower).critical_hz;
   if (margins.stable) {
-    const OpenLoop open(Discretize(loop), estimator, mass);
+    const OpenLoop open = open_loop();
     const std::vector<OpenLoopOnArc> arcs = open.Arcs();
     // Near an edge L comes nearest to -1 at the frequency of that edge.
     const double likely_hz = margins.gain.critical_hz;
     margins.phase_rad = PhaseMargin(open, arcs, loop.period_s);
-    margins.delay = ComputeDelayMargin(loop, estimator, mass, likely_hz);
+    margins.delay = delay(likely_hz);
     margins.modulus = ModulusMargin(open, arcs, likely_hz, loop.period_s);
   }
   return margins;
+}
+
+}  // namespace
+
+Margins ComputeMargins(const LoopParameters& loop, double mass) {
+  const MWidth m_width = ComputeMWidth(loop);
+  if (IsAccelerometer(loop.estimator)) {
+    return MarginsOf(
+        loop, m_width, mass, [&] { return SensedLoop(loop, mass); },
+        [&](double) { return SearchDelayMargin(loop, mass); });
+  }
+  return ComputeMargins(loop, EstimatorOf(loop), m_width, mass);
+}
+
+Margins ComputeMargins(const LoopParameters& loop, const LinearEstimator& estimator, const MWidth& m_width,
+                       double mass) {
+  return MarginsOf(
+      loop, m_width, mass, [&] { return OpenLoop(Discretize(loop), estimator, mass); },
+      [&](double likely_hz) { return ComputeDelayMargin(loop, estimator, mass, likely_hz); });
 }
 
 WorstMargins WorstMarginsAmong(std::span<const LoopParameters> loops, double mass) {

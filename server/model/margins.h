@@ -62,7 +62,7 @@ struct Margins {
 ///
 /// Towards an edge of the M-width the gain margin tends to 1, delay and modulus to 0, the phase margin too
 /// unless the edge is at half the sample rate, where a loop just below it may have |L| < 1 everywhere.
-/// Throws std::invalid_argument for an accelerometer, of which only the gain margin is known, by its M-width.
+/// With an accelerometer the delay margin is looked for rather than proven (delay_margin_search.h).
 /// Precondition: Validate(loop) is empty. Any thread; some 0.5 ms, nearly all for the delay.
 Margins ComputeMargins(const LoopParameters& loop, double mass);
 

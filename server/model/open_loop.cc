@@ -30,6 +30,31 @@ OpenLoop::OpenLoop(const SampledPlant& plant, const LinearEstimator& estimator, 
   }
 }
 
+OpenLoop::OpenLoop(const SampledPlant& plant, const SampledAcceleration& acceleration,
+                   const LinearEstimator& filter, double moving_mass, double mass)
+    : plant_(plant),
+      senses_acceleration_(true),
+      b_(Multiply(filter.denominator, {acceleration.sensor.circle.at_c, 1})),
+      gain_(mass / moving_mass) {
+  const auto& rise = acceleration.rise;
+  plant_.hold = {1, 0, 0};
+  plant_.delay_ticks += rise[2] == 0 ? 2 : 3;
+  a_ = {rise[0], rise[1], rise[2]};
+  if (IsFree()) {
+    // w N(w) = w^2 (rise[1] + rise[2] w), and w^2 = -u z.
+    a_ = {rise[1], rise[2]};
+    --plant_.delay_ticks;
+  }
+  if (a_.back() == 0) {
+    a_.pop_back();
+  }
+  // The paper's filter has a z in its numerator, which makes good for a tick.
+  a_ = Multiply(a_, {filter.numerator[0]});
+  if (filter.numerator.size() > 1) {
+    --plant_.delay_ticks;
+  }
+}
+
 OpenLoopValue OpenLoop::At(double half_sine_squared) const {
   const double u = 4 * half_sine_squared;
   const Complex w = DifferenceAt(half_sine_squared);
@@ -42,8 +67,9 @@ OpenLoopValue OpenLoop::At(double half_sine_squared) const {
   if (IsFree()) {
     return {.top = -gain_ * Evaluate(a_, w) * held, .bottom = -Evaluate(b_, w)};
   }
+  const Complex raised = senses_acceleration_ ? w : Complex(-u);
   const Complex resonance(plant_.static_gap - u * (1 - plant_.loss / 2), plant_.loss * w.imag());
-  return {.top = -gain_ * u * Evaluate(a_, w) * held, .bottom = Evaluate(b_, w) * resonance};
+  return {.top = gain_ * raised * Evaluate(a_, w) * held, .bottom = Evaluate(b_, w) * resonance};
 }
 
 Complex OpenLoop::Ratio(double half_sine_squared) const {
@@ -124,15 +150,21 @@ ComplexArcForm OpenLoop::HeldAndDelayed(const Arc& arc) const {
 OpenLoopOnArc OpenLoop::Expand(const Arc& arc) const {
   const ArcForm u = LinearForm(4 * arc.low, 4 * arc.high);
   ComplexArcForm resonance{.re = ConstantForm(-1), .im = {}};
-  ArcForm deflated = ConstantForm(1);
+  // -u, or the w of an accelerometer, or what is left of them.
+  ComplexArcForm raised{.re = ConstantForm(-1), .im = {}};
+  ArcForm raised_squared = ConstantForm(1);
   if (!IsFree()) {
     const auto rho = [this](double s) { return plant_.static_gap - 4 * s * (1 - plant_.loss / 2); };
     resonance = {.re = LinearForm(rho(arc.low), rho(arc.high)), .im = ConstantForm(plant_.loss)};
-    deflated = u;
+    raised = {.re = Add({}, -1, u), .im = {}};
+    raised_squared = Multiply(u, u);
+    if (senses_acceleration_) {
+      raised = {.re = LinearForm(-2 * arc.low, -2 * arc.high), .im = ConstantForm(1)};
+      raised_squared = u;
+    }
   }
   const ArcForm resonance_squared = Multiply(resonance, Conjugate(resonance), arc).re;
-  const ArcForm reach =
-      Multiply(ConstantForm(gain_ * gain_), Multiply(SizeSquared(a_, arc), Multiply(deflated, deflated)));
+  const ArcForm reach = Multiply(ConstantForm(gain_ * gain_), Multiply(SizeSquared(a_, arc), raised_squared));
   OpenLoopOnArc on{.arc = arc,
                    .top_squared = Multiply(reach, HoldSquared(arc)),
                    .bottom_squared = Multiply(SizeSquared(b_, arc), resonance_squared),
@@ -142,7 +174,7 @@ OpenLoopOnArc OpenLoop::Expand(const Arc& arc) const {
   const ComplexArcForm estimate = Multiply(OnArc(a_, arc), Conjugate(OnArc(b_, arc)), arc);
   const ComplexArcForm cross =
       Multiply(Multiply(estimate, HeldAndDelayed(arc), arc), Conjugate(resonance), arc);
-  on.sum_squared = Add(Add(on.top_squared, 1, on.bottom_squared), -2 * gain_, Multiply(deflated, cross.re));
+  on.sum_squared = Add(Add(on.top_squared, 1, on.bottom_squared), 2 * gain_, Multiply(raised, cross, arc).re);
   on.imaginary = cross.im;
   return on;
 }

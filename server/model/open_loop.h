@@ -10,13 +10,18 @@
 //
 //   L = top/bottom     top = -M (T^2/mu) u A N z^(1 - delay_ticks)     bottom = B (rho + j delta sin t)
 //
-// and nothing cancels near z = 1. A free mass without friction has q = delta = 0; there u divides both and is
+// and nothing cancels near z = 1. With an accelerometer (accelerometer.h; A, B of the filter behind it)
+//
+//   top = M/mu A w N(w) z^(-1 - delay_ticks - [1])     bottom = (w + f_a) B (rho + j delta sin t)
+//
+// A free mass without friction has q = delta = 0; there u divides both and is
 // left out.
 #pragma once
 
 #include <complex>
 #include <vector>
 
+#include "server/model/accelerometer.h"
 #include "server/model/circle_arc.h"
 #include "server/model/linear_estimator.h"
 #include "server/model/plant.h"
@@ -51,13 +56,17 @@ class OpenLoop {
   /// `mass` is M. Throws std::invalid_argument where the estimator's numerator lacks the factor w^2, or where
   /// it is of too high a degree.
   OpenLoop(const SampledPlant& plant, const LinearEstimator& estimator, double mass);
+  /// With an accelerometer and AccelerometerFilter behind it; `moving_mass` is mu.
+  OpenLoop(const SampledPlant& plant, const SampledAcceleration& acceleration, const LinearEstimator& filter,
+           double moving_mass, double mass);
 
   /// At s = `half_sine_squared`, above 0, at most 1.
   OpenLoopValue At(double half_sine_squared) const;
   /// L itself, at s = 0 too: 0 there, but M/mu of a free mass without friction, where only masses resist.
   std::complex<double> Ratio(double half_sine_squared) const;
   /// |M C (1 - 1/z) (T^2/mu) bottom / (rho + j delta sin t)|: what a step of the force from tick to tick adds
-  /// to top, at most, when the hold of it changes by 1. s = 0 too.
+  /// to top, at most, when the hold of it changes by 1. s = 0 too. From positions only, as
+  /// OpenLoopOnArc::step_squared.
   double StepSize(double half_sine_squared) const;
 
   /// The sizes as polynomials, on arcs that together are the upper half of the circle. Around a resonance of
@@ -72,10 +81,12 @@ class OpenLoop {
   ArcForm HoldSquared(const Arc& arc) const;
   ComplexArcForm HeldAndDelayed(const Arc& arc) const;
 
+  /// With an accelerometer a hold of 1, whose numerator is in a_, and all powers of 1/z as ticks of delay.
   SampledPlant plant_;
+  bool senses_acceleration_ = false;
   DifferencePolynomial a_;
   DifferencePolynomial b_;
-  /// M T^2/mu.
+  /// M T^2/mu; M/mu with an accelerometer.
   double gain_;
 };
 

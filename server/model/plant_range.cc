@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "server/model/acceleration_range.h"
 #include "server/model/plant_factors.h"
 
 namespace mwidth::model {
@@ -56,7 +57,9 @@ void EncloseShares(PlantRange& range, const Tick& tick, const Interval& lead) no
                           ShareBefore(r.hi, {-alpha.lo, hi}, BoundSide::kUpper).hi};
 }
 
-void EncloseUnaliased(PlantRange& range, const PlantBox& box, const Tick& tick, double period_s) noexcept {
+// Returns 1/S.
+Interval EncloseUnaliased(PlantRange& range, const PlantBox& box, const Tick& tick,
+                          double period_s) noexcept {
   const auto& [alpha, kappa, fraction] = tick;
   const PlantFactors late = FactorsAt(alpha.hi, kappa.lo, BoundSide::kLower);
   const PlantFactors early = FactorsAt(alpha.lo, kappa.hi, BoundSide::kUpper);
@@ -73,22 +76,23 @@ void EncloseUnaliased(PlantRange& range, const PlantBox& box, const Tick& tick, 
   };
   range.damped_mass = box.mass * Interval{damped(late.x, alpha.hi).lo, damped(early.x, alpha.lo).hi};
   EncloseShares(range, tick, Lead(tick, {late.lead_rate.lo, early.lead_rate.hi}));
+  return 2 * range.mass_factor / (1 + Exp(-2 * alpha));  // X e^alpha / cosh(alpha)
 }
 
 // The natural frequency may be above half the sample rate: interval arithmetic in alpha and w. q is G's
-// denominator at z = 1, which e^-alpha kappa C2 is, `half_rate_gap` likewise at z = -1.
-void EncloseAliased(PlantRange& range, const Tick& tick) noexcept {
+// denominator at z = 1, which e^-alpha kappa C2 is, `half_rate_gap` likewise at z = -1. Returns 1/S.
+Interval EncloseAliased(PlantRange& range, const Tick& tick) noexcept {
   const auto& [alpha, kappa, r] = tick;
   const Interval w_squared = kappa - Square(alpha);
   if (w_squared.lo < kOscillating) {
-    return;
+    return {};
   }
   const Interval w = Sqrt(w_squared);
   const Interval decay = Exp(-alpha);
   const Interval own_loss = Square(alpha * MeanDecay(alpha));  // (1 - e^-alpha)^2
   const Interval q = own_loss + 4 * (decay * Square(Sin(0.5 * w)));
   if (q.lo <= 0) {
-    return;
+    return {};
   }
   const Interval half_rate_gap = own_loss + 4 * (decay * Square(Cos(0.5 * w)));
   range.knowledge = PlantKnowledge::kBoundedFromHalfRate;
@@ -98,19 +102,20 @@ void EncloseAliased(PlantRange& range, const Tick& tick) noexcept {
   if (r.hi <= 0) {
     range.newest = 0.5 * (1 + 2 * alpha * (MeanDecay(2 * alpha) - decay * Sin(w) / w) / q);
     range.oldest = Exactly(0);
-    return;
+    return kappa / q;
   }
   const Interval rest = 1 - r;
   const Interval slope = alpha / w;
   range.newest = (1 - Exp(-(alpha * rest)) * (Cos(w * rest) + slope * Sin(w * rest))) / q;
   range.oldest = (Square(decay) - Exp(-(alpha * (1 + rest))) * (Cos(w * r) - slope * Sin(w * r))) / q;
+  return kappa / q;
 }
 
 }  // namespace
 
-PlantRange Enclose(const PlantBox& box, double period_s) noexcept {
+PlantRange Enclose(const PlantBox& box, const PlantSampling& sampling) noexcept {
   const auto not_negative = [](const Interval& x) { return Interval{std::max(x.lo, 0.0), x.hi}; };
-  const Interval period = Exactly(period_s);
+  const Interval period = Exactly(sampling.period_s);
   PlantRange range;
   range.stiffness = box.stiffness.hi > 0 ? not_negative(box.stiffness * Square(period)) : Exactly(0);
   range.alpha = Meet(not_negative(0.5 * (box.damping * period / box.mass)), box.alpha);
@@ -120,10 +125,17 @@ PlantRange Enclose(const PlantBox& box, double period_s) noexcept {
     return range;
   }
   const Tick tick{.alpha = range.alpha, .kappa = range.kappa, .fraction = box.fraction};
-  if (range.kappa.hi - range.alpha.lo * range.alpha.lo <= kUnaliased) {
-    EncloseUnaliased(range, box, tick, period_s);
-  } else {
-    EncloseAliased(range, tick);
+  const bool unaliased = range.kappa.hi - range.alpha.lo * range.alpha.lo <= kUnaliased;
+  const Interval inverse_gain =
+      unaliased ? EncloseUnaliased(range, box, tick, sampling.period_s) : EncloseAliased(range, tick);
+  if (sampling.sensor_rate.hi > 0 && range.knowledge != PlantKnowledge::kUnbounded) {
+    range.rise = EncloseRise({.alpha = range.alpha,
+                              .kappa = range.kappa,
+                              .fraction = box.fraction,
+                              .inverse_gain = inverse_gain,
+                              .newest = range.newest,
+                              .oldest = range.oldest},
+                             sampling.sensor_rate);
   }
   return range;
 }

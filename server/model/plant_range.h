@@ -25,6 +25,7 @@
 // The README of this folder proves it. Beyond, interval arithmetic bounds them.
 #pragma once
 
+#include <array>
 #include <limits>
 
 #include "server/model/interval.h"
@@ -80,9 +81,19 @@ struct PlantRange {
   /// n0 and n2.
   Interval newest;
   Interval oldest;
+  /// e0, e1 and e2 of acceleration_range.h; of accelerometers only.
+  std::array<Interval, 3> rise{};
 };
 
-/// `period_s` is T. Any thread.
-PlantRange Enclose(const PlantBox& box, double period_s) noexcept;
+/// How the plant is sampled.
+struct PlantSampling {
+  /// T.
+  double period_s = 0;
+  /// w_a T of an accelerometer, above 0; 0 without one.
+  Interval sensor_rate{};
+};
+
+/// Any thread.
+PlantRange Enclose(const PlantBox& box, const PlantSampling& sampling) noexcept;
 
 }  // namespace mwidth::model

@@ -14,6 +14,8 @@ namespace mwidth::model {
 namespace {
 
 constexpr SearchEffort kEffort{.tolerance = 5e-3, .max_boxes = 100'000};
+// What an accelerometer sees varies more with the hand.
+constexpr SearchEffort kAccelerometerEffort{.tolerance = 5e-3, .max_boxes = 200'000};
 // One loop needs only its frequencies divided: a proof is cheap at any tolerance.
 constexpr SearchEffort kPointEffort{.tolerance = 1e-6, .max_boxes = 100'000};
 
@@ -121,9 +123,13 @@ RobustCertificate CertifyRobustInterval(const LoopEnvelope& envelope) {
     box.stiffness = Range(hands[i].stiffness);
     AddDelays(boxes, hand_of_box, box, i, envelope);
   }
-  const Sampling sampling{
-      .period_s = envelope.period_s, .cutoff_hz = envelope.cutoff_hz, .estimator = envelope.estimator};
-  const SearchEffort& effort = IsPoint(envelope) ? kPointEffort : kEffort;
+  const Sampling sampling{.period_s = envelope.period_s,
+                          .cutoff_hz = envelope.cutoff_hz,
+                          .estimator = envelope.estimator,
+                          .accelerometer_bandwidth_hz = envelope.accelerometer_bandwidth_hz};
+  const SearchEffort& effort = IsPoint(envelope)                     ? kPointEffort
+                               : IsAccelerometer(envelope.estimator) ? kAccelerometerEffort
+                                                                     : kEffort;
   for (const MassSign sign : {MassSign::kNegative, MassSign::kPositive}) {
     const WorstEdge worst = FindWorstEdge(boxes, sampling, sign, effort);
     (sign == MassSign::kPositive ? certificate.upper : certificate.lower) =

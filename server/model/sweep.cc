@@ -9,7 +9,12 @@ namespace {
 // Allowed at every period.
 constexpr double kHarmlessCutoffHz = 1;
 
-std::optional<ParameterError> CheckRange(const std::string& side, const SweepRange& range) {
+std::optional<ParameterError> CheckRange(const std::string& side, const SweepRange& range,
+                                         EstimatorKind estimator) {
+  if (range.parameter == SweepParameter::kAccelerometerBandwidthHz && !IsAccelerometer(estimator)) {
+    return ParameterError{side + ".parameter", static_cast<double>(range.parameter),
+                          "another one with an estimator that reads no accelerometer"};
+  }
   if (range.count < 2 || range.count > kMaxSweepCount) {
     return ParameterError{side + ".count", static_cast<double>(range.count), "2 to 10000"};
   }
@@ -68,6 +73,8 @@ const char* SweepParameterName(SweepParameter parameter) {
       return "cutoff_hz";
     case SweepParameter::kDelayS:
       return "delay_s";
+    case SweepParameter::kAccelerometerBandwidthHz:
+      return "accelerometer_bandwidth_hz";
   }
   return "";
 }
@@ -88,6 +95,8 @@ double& SweptField(LoopParameters& loop, SweepParameter parameter) {
       return loop.period_s;
     case SweepParameter::kCutoffHz:
       return loop.cutoff_hz;
+    case SweepParameter::kAccelerometerBandwidthHz:
+      return loop.accelerometer_bandwidth_hz;
     case SweepParameter::kDelayS:
       break;
   }
@@ -105,11 +114,11 @@ double ValueAt(const SweepRange& range, uint32_t index) {
 }
 
 std::optional<ParameterError> Validate(const Sweep& sweep) {
-  if (auto error = CheckRange("x", sweep.x)) {
+  if (auto error = CheckRange("x", sweep.x, sweep.loop.estimator)) {
     return error;
   }
   if (sweep.y) {
-    if (auto error = CheckRange("y", *sweep.y)) {
+    if (auto error = CheckRange("y", *sweep.y, sweep.loop.estimator)) {
       return error;
     }
     if (sweep.y->parameter == sweep.x.parameter) {

@@ -19,12 +19,13 @@ enum class SweepParameter : uint8_t {
   kPeriodS,
   kCutoffHz,
   kDelayS,
+  kAccelerometerBandwidthHz,
 };
 
-inline constexpr std::array kSweepParameters{SweepParameter::kDeviceMass,    SweepParameter::kDeviceDamping,
-                                             SweepParameter::kHandMass,      SweepParameter::kHandDamping,
-                                             SweepParameter::kHandStiffness, SweepParameter::kPeriodS,
-                                             SweepParameter::kCutoffHz,      SweepParameter::kDelayS};
+inline constexpr std::array kSweepParameters{
+    SweepParameter::kDeviceMass,  SweepParameter::kDeviceDamping, SweepParameter::kHandMass,
+    SweepParameter::kHandDamping, SweepParameter::kHandStiffness, SweepParameter::kPeriodS,
+    SweepParameter::kCutoffHz,    SweepParameter::kDelayS,        SweepParameter::kAccelerometerBandwidthHz};
 
 /// The name of its field in LoopParameters, such as "device_mass".
 const char* SweepParameterName(SweepParameter parameter);
@@ -60,7 +61,8 @@ struct Sweep {
 /// ends are finite and in order, above 0 where logarithmic, and inside the parameter's own range; x and y
 /// differ. cutoff_hz and delay_s are limited by the period: where that is swept, they are held against the
 /// period of the sweep that allows the most, and points that are out of range at their own period have no
-/// M-width. Names the parameter, or "x.count", "y.min" and the like.
+/// M-width. accelerometer_bandwidth_hz is swept with an accelerometer alone. Names the parameter, or
+/// "x.count", "y.min" and the like.
 std::optional<ParameterError> Validate(const Sweep& sweep);
 
 }  // namespace mwidth::model

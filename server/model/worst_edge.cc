@@ -52,7 +52,9 @@ class Search {
  public:
   Search(const Sampling& sampling, MassSign sign)
       : sampling_(sampling),
-        estimator_(sampling.estimator, sampling.period_s, sampling.cutoff_hz),
+        estimator_(sampling.estimator, sampling.period_s, sampling.cutoff_hz,
+                   sampling.accelerometer_bandwidth_hz),
+        plant_sampling_{.period_s = sampling.period_s, .sensor_rate = estimator_.sensor_rate()},
         sign_(sign) {
     edge_.found = kInfinity;
   }
@@ -87,6 +89,7 @@ class Search {
 
   Sampling sampling_;
   EstimatorRange estimator_;
+  PlantSampling plant_sampling_;
   MassSign sign_;
   WorstEdge edge_;
   std::priority_queue<Cell> queue_;
@@ -98,7 +101,7 @@ WorstEdge Search::Run(std::span<const PlantBox> boxes, const SearchEffort& effor
   }
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     const Cell cell{
-        .x = {0, 1}, .box = boxes[i], .box_index = i, .plant = Enclose(boxes[i], sampling_.period_s)};
+        .x = {0, 1}, .box = boxes[i], .box_index = i, .plant = Enclose(boxes[i], plant_sampling_)};
     Cell half_rate = cell;
     half_rate.x = Exactly(1);
     Add(cell);
@@ -131,7 +134,7 @@ bool Search::Bound(Cell& cell) {
   const Arc arc(cell.x);
   for (int i = 0;; ++i) {
     ++edge_.boxes;
-    const CircleRange factor = LoopFactor(estimator_, arc, cell.plant, cell.box.delay_ticks);
+    const LoopRange factor = LoopFactor(estimator_, arc, cell.plant, cell.box.delay_ticks);
     CrossingSizes sizes = BoundCrossings(arc, cell.plant, factor, sign_);
     sizes.lo = cell.bound = std::max(cell.bound, sizes.lo);
     sizes.hi = std::min(sizes.hi, edge_.found);
@@ -141,7 +144,7 @@ bool Search::Bound(Cell& cell) {
     if (i == kNarrowings || !Narrow(cell.box, arc, cell.plant, factor, sign_, sizes)) {
       return true;
     }
-    cell.plant = Enclose(cell.box, sampling_.period_s);
+    cell.plant = Enclose(cell.box, plant_sampling_);
   }
 }
 
@@ -166,8 +169,8 @@ Search::Halves Search::HalvePlant(const Cell& cell, Interval PlantBox::*directio
   Halves halves{.low = cell, .high = cell};
   (halves.low.box.*direction).hi = at;
   (halves.high.box.*direction).lo = at;
-  halves.low.plant = Enclose(halves.low.box, sampling_.period_s);
-  halves.high.plant = Enclose(halves.high.box, sampling_.period_s);
+  halves.low.plant = Enclose(halves.low.box, plant_sampling_);
+  halves.high.plant = Enclose(halves.high.box, plant_sampling_);
   BoundHalves(halves, RelativeWidth(cell.box.*direction));
   if (cell.plant.knowledge == PlantKnowledge::kUnbounded) {
     halves.gain = -NaturalFrequencySpread(halves.low.plant) - NaturalFrequencySpread(halves.high.plant);
@@ -231,6 +234,7 @@ void Search::Try(LoopParameters plant, std::size_t index) {
   plant.period_s = sampling_.period_s;
   plant.cutoff_hz = sampling_.cutoff_hz;
   plant.estimator = sampling_.estimator;
+  plant.accelerometer_bandwidth_hz = sampling_.accelerometer_bandwidth_hz;
   ++edge_.nominal_queries;
   const EdgeMasses edges = ComputeEdgeMasses(plant);
   const double size = sign_ == MassSign::kPositive ? edges.upper : -edges.lower;

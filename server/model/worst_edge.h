@@ -29,8 +29,8 @@ struct WorstEdge {
 struct Sampling {
   double period_s = 0;
   double cutoff_hz = 0;
-  /// One of kEstimatorKinds.
   EstimatorKind estimator = EstimatorKind::kFilteredDifference;
+  double accelerometer_bandwidth_hz = 0;
 };
 
 struct SearchEffort {

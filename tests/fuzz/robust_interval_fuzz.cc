@@ -33,8 +33,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, std::size_t size) {
   envelope.period_s = input.Number(2e-4, 2e-3);
   envelope.cutoff_hz = input.Number(1, 200);
   envelope.delay_bound_s = input.Number(0, 3 * envelope.period_s);
-  // One beyond the last is an accelerometer, which is refused.
-  envelope.estimator = static_cast<mwidth::model::EstimatorKind>(input.Take<uint8_t>() % 5);
+  envelope.estimator = static_cast<mwidth::model::EstimatorKind>(input.Take<uint8_t>() % 6);
+  envelope.accelerometer_bandwidth_hz = input.Number(1, 2000);
   if (const auto error = mwidth::model::Validate(envelope)) {
     Require(!error->parameter.empty() && !error->allowed.empty(), "a named error");
     return 0;
@@ -44,15 +44,17 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, std::size_t size) {
     return 0;
   }
   for (int i = 0; i < 16; ++i) {
-    const mwidth::model::LoopParameters loop{.device_mass = Within(input, envelope.device.device_mass),
-                                             .device_damping = Within(input, envelope.device.device_damping),
-                                             .hand_mass = Within(input, envelope.hand.hand_mass),
-                                             .hand_damping = Within(input, envelope.hand.hand_damping),
-                                             .hand_stiffness = Within(input, envelope.hand.hand_stiffness),
-                                             .period_s = envelope.period_s,
-                                             .cutoff_hz = envelope.cutoff_hz,
-                                             .delay_s = Within(input, {0, envelope.delay_bound_s}),
-                                             .estimator = envelope.estimator};
+    const mwidth::model::LoopParameters loop{
+        .device_mass = Within(input, envelope.device.device_mass),
+        .device_damping = Within(input, envelope.device.device_damping),
+        .hand_mass = Within(input, envelope.hand.hand_mass),
+        .hand_damping = Within(input, envelope.hand.hand_damping),
+        .hand_stiffness = Within(input, envelope.hand.hand_stiffness),
+        .period_s = envelope.period_s,
+        .cutoff_hz = envelope.cutoff_hz,
+        .delay_s = Within(input, {0, envelope.delay_bound_s}),
+        .estimator = envelope.estimator,
+        .accelerometer_bandwidth_hz = envelope.accelerometer_bandwidth_hz};
     const auto m_width = mwidth::model::ComputeMWidth(loop);
     Require(!m_width.empty(), "a loop without an M-width makes the robust interval empty");
     // The nominal edge itself is rounded: by less than 1e-12 of it.

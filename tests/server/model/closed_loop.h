@@ -8,6 +8,7 @@
 #include <numbers>
 #include <vector>
 
+#include "tests/server/model/reference_accelerometer.h"
 #include "tests/server/model/reference_estimator.h"
 #include "tests/server/model/reference_sampled_plant.h"
 
@@ -17,6 +18,13 @@ namespace mwidth::model {
 class ClosedLoop {
  public:
   explicit ClosedLoop(const LoopParameters& loop) {
+    if (IsAccelerometer(loop.estimator)) {
+      const ReferenceAcceleration sensed = AccelerationIn50Digits(loop);
+      const ReferenceEstimator filter = EstimatorIn50Digits(loop);
+      open_ = Times(Times(Delay(sensed.delay_ticks), filter.denominator), sensed.denominator);
+      feedback_ = Times(filter.numerator, sensed.numerator);
+      return;
+    }
     const ReferenceSampledPlant plant = DiscretizeIn50Digits(loop);
     const ReferenceEstimator estimator = EstimatorIn50Digits(loop);
     // Poles at z = 1, which the double difference cancels, are left out: one of a released hand, both of a
@@ -30,9 +38,7 @@ class ClosedLoop {
         poles = difference = {1};
       }
     }
-    RealPolynomial delay(static_cast<std::size_t>(plant.delay_ticks) + 2, 0);
-    delay.back() = 1;
-    open_ = Times(Times(delay, estimator.denominator), poles);
+    open_ = Times(Times(Delay(plant.delay_ticks), estimator.denominator), poles);
     const Real gain = plant.gain / (Real(loop.period_s) * loop.period_s);
     feedback_ = Times(Times({gain}, estimator.numerator),
                       Times(difference, {plant.hold[2], plant.hold[1], plant.hold[0]}));
@@ -48,6 +54,13 @@ class ClosedLoop {
   }
 
  private:
+  // The hold's tick and the whole ones of delay.
+  static RealPolynomial Delay(int delay_ticks) {
+    RealPolynomial delay(static_cast<std::size_t>(delay_ticks) + 2, 0);
+    delay.back() = 1;
+    return delay;
+  }
+
   RealPolynomial open_;
   RealPolynomial feedback_;
 };

@@ -52,7 +52,7 @@ TEST(CrossingRange, HoldsTheCrossingsOfEveryPlantOfABox) {
   int held = 0;
   for (int i = 0; i < 8000; ++i) {
     const PlantBox box = random.Box(kPeriod);
-    const PlantRange range = Enclose(box, kPeriod);
+    const PlantRange range = Enclose(box, {kPeriod});
     const double cutoff_hz = random.LogUniform(0.5, 0.48 / kPeriod);
     const EstimatorKind kind = kEstimatorKinds.at(static_cast<std::size_t>(i) % kEstimatorKinds.size());
     LoopParameters loop = random.Inside(box, kPeriod);
@@ -68,7 +68,7 @@ TEST(CrossingRange, HoldsTheCrossingsOfEveryPlantOfABox) {
       const bool at_end = x < 1e-25 || 1 - x < 1e-12;
       const Arc arc(at_end ? Exactly(std::round(x))
                            : Around(x, random.Uniform(0.9, 1 - 1e-7), random.Uniform(1 + 1e-7, 1.1)));
-      const CircleRange factor =
+      const LoopRange factor =
           LoopFactor(EstimatorRange(kind, kPeriod, cutoff_hz), arc, range, box.delay_ticks);
       const CrossingSizes sizes = BoundCrossings(arc, range, factor, sign);
       const double size = std::abs(edge.mass);
@@ -77,7 +77,7 @@ TEST(CrossingRange, HoldsTheCrossingsOfEveryPlantOfABox) {
       held += sizes.lo > 0 ? 1 : 0;
       PlantBox narrowed = box;
       if (Narrow(narrowed, arc, range, factor, sign, {.lo = 0.9 * size, .hi = 1.1 * size})) {
-        const PlantRange after = Enclose(narrowed, kPeriod);
+        const PlantRange after = Enclose(narrowed, {kPeriod});
         ASSERT_NE(after.knowledge, PlantKnowledge::kNone) << i;
         const double alpha = loop.device_damping * kPeriod / (2 * loop.device_mass);
         EXPECT_LE(after.alpha.lo, alpha * (1 + 1e-9));
@@ -92,10 +92,10 @@ TEST(CrossingRange, ExcludesAnArcWithoutCrossings) {
   // 1 kg with 10 N s/m and 100 N/m: far above its natural frequency of 1.6 Hz it resists any negative mass
   // below its own, and below it the spring does.
   const PlantBox box{.mass = {0.9, 1.1}, .damping = {9, 11}, .stiffness = {90, 110}};
-  const PlantRange range = Enclose(box, kPeriod);
+  const PlantRange range = Enclose(box, {kPeriod});
   const double x = 1e-8;  // 0.03 Hz
   const Arc arc({0.5 * x, x});
-  const CircleRange factor =
+  const LoopRange factor =
       LoopFactor(EstimatorRange(EstimatorKind::kFilteredDifference, kPeriod, 10), arc, range, 0);
   EXPECT_TRUE(BoundCrossings(arc, range, factor, MassSign::kNegative).none());
 }

@@ -29,13 +29,13 @@ TEST(Envelope, RefusesAnEmptyBoxByName) {
                                     std::pair{"hand_mass", &HandEnvelope::hand_mass}}) {
     LoopEnvelope envelope = EnvelopeOf(TableTwo());
     envelope.hand.*range = {.min = 3, .max = 2};
-    ExpectError(envelope, name, "min at most its max (2");
+    ExpectError(envelope, name, "min at most its max (2)");
   }
   for (const auto& [name, range] : {std::pair{"device_mass", &DeviceTolerance::device_mass},
                                     std::pair{"device_damping", &DeviceTolerance::device_damping}}) {
     LoopEnvelope envelope = EnvelopeOf(TableTwo());
     envelope.device.*range = {.min = 3, .max = 2};
-    ExpectError(envelope, name, "min at most its max (2");
+    ExpectError(envelope, name, "min at most its max (2)");
   }
 }
 
@@ -61,11 +61,14 @@ TEST(Envelope, RefusesWhatIsNotFiniteOrOutOfRangeAtEitherEnd) {
   ExpectError(envelope, "delay_bound_s", "0.003");
 }
 
-TEST(Envelope, RefusesAnAccelerometer) {
+TEST(Envelope, OfAnAccelerometerHasItsBandwidth) {
   LoopParameters loop = TableTwo();
   loop.estimator = EstimatorKind::kAccelerometer;
   loop.accelerometer_bandwidth_hz = 100;
-  ExpectError(EnvelopeOf(loop), "estimator", "from positions");
+  EXPECT_FALSE(Validate(EnvelopeOf(loop)).has_value());
+  EXPECT_EQ(EnvelopeOf(loop).accelerometer_bandwidth_hz, 100);
+  loop.accelerometer_bandwidth_hz = 0;
+  ExpectError(EnvelopeOf(loop), "accelerometer_bandwidth_hz", "0.1 to 1e6");
 }
 
 }  // namespace

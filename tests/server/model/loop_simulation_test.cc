@@ -7,10 +7,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <random>
 #include <set>
 #include <string>
 
+#include "server/model/m_width.h"
 #include "server/render/limits.h"
 #include "tests/server/model/model_loops.h"
 #include "tests/server/model/sweeping_hand.h"
@@ -50,6 +52,69 @@ TEST(LoopSimulation, WithoutImperfectionsIsTheHybridLoopBitForBit) {
       plant.Advance(hand);
     }
   }
+}
+
+TEST(LoopSimulation, WithAnAccelerometerIsItsHybridLoopBitForBit) {
+  for (const EstimatorKind kind : kAccelerometerKinds) {
+    LoopParameters loop = TableTwo();
+    loop.estimator = kind;
+    loop.accelerometer_bandwidth_hz = 120;
+    loop.delay_s = 1.3e-3;
+    const double mass = 0.5 * ComputeMWidth(loop).upper.mass;
+    LoopSimulation simulation(loop, mass);
+    LoopSimulation counted(loop, mass, {.acceleration_quantum = 0.5});
+    AccelerometerSimulation plant(loop);
+    AccelerationEstimator estimator(loop.period_s, loop.cutoff_hz, kind);
+    for (int tick = 0; tick < 500; ++tick) {
+      const double hand = SweepingHand(tick);
+      const double estimate = estimator.Update(plant.position(), 1, plant.sensed());
+      const LoopSample sample = simulation.Step(hand);
+      ASSERT_EQ(sample.position, plant.position()) << tick;
+      ASSERT_EQ(sample.acceleration, estimate);
+      ASSERT_EQ(sample.force, mass * estimate);
+      const LoopSample in_counts = counted.Step(hand);
+      if (kind == EstimatorKind::kAccelerometer) {
+        ASSERT_EQ(in_counts.acceleration, std::round(in_counts.acceleration / 0.5) * 0.5);
+      }
+      plant.Command(mass * estimate);
+      plant.Advance(hand);
+    }
+  }
+}
+
+// The sensor between the events of friction: the same as by small steps of y' = w_a (x'' - y), x'' from the
+// velocities that a simulation of a hundredth of the tick shows.
+TEST(LoopSimulation, SensesAccelerationThroughFrictionAsSmallStepsDo) {
+  LoopParameters loop = TableTwo();
+  loop.estimator = EstimatorKind::kAccelerometer;
+  loop.accelerometer_bandwidth_hz = 120;
+  constexpr double kFriction = 0.4;
+  constexpr int kParts = 100;
+  FrictionSimulation whole(loop, kFriction);
+  LoopParameters fine = loop;
+  fine.period_s /= kParts;
+  FrictionSimulation parts(fine, kFriction);
+  const double rate = 2 * std::numbers::pi * loop.accelerometer_bandwidth_hz;
+  const double kept = std::exp(-rate * fine.period_s);
+  double sensed = 0;
+  double largest = 0;
+  for (int tick = 0; tick < 1500; ++tick) {
+    const double force = 2 * std::sin(0.05 * tick);
+    whole.Command(force);
+    parts.Command(force);
+    const double from = whole.hand_position();
+    const double hand = SweepingHand(tick);
+    for (int part = 1; part <= kParts; ++part) {
+      const double before = parts.velocity();
+      parts.Advance(from + (hand - from) * part / kParts);
+      sensed = kept * sensed + (1 - kept) * (parts.velocity() - before) / fine.period_s;
+    }
+    whole.Advance(hand);
+    largest = std::max(largest, std::abs(sensed));
+    ASSERT_NEAR(whole.sensed(), parts.sensed(), 1e-6 * (1 + largest)) << tick;
+    ASSERT_NEAR(whole.sensed(), sensed, 0.02 * largest + 1e-3) << tick;
+  }
+  EXPECT_GT(largest, 1);
 }
 
 TEST(LoopSimulation, AfterAResetRepeatsItself) {

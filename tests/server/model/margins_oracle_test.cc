@@ -29,7 +29,8 @@ std::vector<Case> Cases(int count) {
   for (int i = 0; i < count; ++i) {
     LoopParameters loop = random.Next();
     loop.hand_stiffness = i % 9 == 3 ? 0 : loop.hand_stiffness;
-    loop.estimator = kEstimatorKinds.at(static_cast<std::size_t>(i) / 2 % kEstimatorKinds.size());
+    loop.estimator = kAllEstimatorKinds.at(static_cast<std::size_t>(i) / 2 % kAllEstimatorKinds.size());
+    loop.accelerometer_bandwidth_hz = random.LogUniform(0.01, 5) / loop.period_s;
     const MWidth m_width = ComputeMWidth(loop);
     const double share = i % 2 == 0 ? 1 - random.LogUniform(1e-3, 1) : random.LogUniform(1e-3, 1);
     cases.push_back({loop, share * (random.Uniform(0, 1) < 0.5 ? m_width.lower.mass : m_width.upper.mass)});
@@ -87,7 +88,7 @@ TEST(MarginsOracle, TheModulusMarginIsTakenAtItsFrequency) {
 
 TEST(MarginsOracle, ThePhaseMarginIsTakenAtItsFrequencyWhereTheGainIsOne) {
   int finite = 0;
-  for (const auto& [loop, mass] : Cases(600)) {
+  for (const auto& [loop, mass] : Cases(700)) {
     const Margin phase = ComputeMargins(loop, mass).phase_rad;
     if (std::isinf(phase.value)) {
       continue;

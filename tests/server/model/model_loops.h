@@ -1,12 +1,18 @@
 // Loops that several tests of the model's analyses look at.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <random>
 
 #include "server/model/loop_parameters.h"
 
 namespace mwidth::model {
+
+/// Estimators from positions, and with an accelerometer.
+inline constexpr std::array kAllEstimatorKinds{kEstimatorKinds[0],     kEstimatorKinds[1],
+                                               kEstimatorKinds[2],     kEstimatorKinds[3],
+                                               kAccelerometerKinds[0], kAccelerometerKinds[1]};
 
 /// Table II at 1 kHz with a cut-off of 10 Hz.
 inline LoopParameters TableTwo() {
@@ -34,6 +40,7 @@ class RandomLoops {
     loop.period_s = LogUniform(1e-5, 1e-2);
     loop.cutoff_hz = LogUniform(1, 0.48 / loop.period_s);
     const double kind = Uniform(0, 3);
+    loop.accelerometer_bandwidth_hz = 0.3 / loop.period_s;
     loop.delay_s = kind < 1 ? 0 : loop.period_s * (kind < 2 ? std::floor(kind * 3 - 2) : Uniform(0, 3));
     return loop;
   }

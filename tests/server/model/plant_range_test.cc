@@ -51,7 +51,7 @@ TEST(PlantRange, HoldsEveryPlantOfABox) {
   int aliased = 0;
   for (int i = 0; i < 1500; ++i) {
     const PlantBox box = random.Box(kPeriod);
-    const PlantRange range = Enclose(box, kPeriod);
+    const PlantRange range = Enclose(box, {kPeriod});
     ASSERT_NE(range.knowledge, PlantKnowledge::kNone);
     if (range.knowledge == PlantKnowledge::kUnbounded) {
       continue;
@@ -79,7 +79,7 @@ TEST(PlantRange, IsNarrowForOnePlant) {
     for (Interval* range : {&box.mass, &box.damping, &box.stiffness, &box.fraction}) {
       range->hi = range->lo;
     }
-    const PlantRange range = Enclose(box, kPeriod);
+    const PlantRange range = Enclose(box, {kPeriod});
     ASSERT_NE(range.knowledge, PlantKnowledge::kUnbounded);
     const double mass = std::max({box.mass.hi, range.moving_mass.hi, range.stiffness.hi});
     EXPECT_LT(range.moving_mass.width(), 2e-7 * mass);
@@ -92,7 +92,7 @@ TEST(PlantRange, IsNarrowForOnePlant) {
 TEST(PlantRange, KnowsWhenNoPlantHasWhatIsAskedFor) {
   PlantBox box{.mass = {1, 2}, .damping = {10, 20}, .stiffness = {100, 200}};
   box.alpha = {0.5, 1};  // 20 T / 2 is 0.01
-  EXPECT_EQ(Enclose(box, kPeriod).knowledge, PlantKnowledge::kNone);
+  EXPECT_EQ(Enclose(box, {kPeriod}).knowledge, PlantKnowledge::kNone);
 }
 
 }  // namespace

@@ -121,7 +121,8 @@ inline KalmanGains SolveRiccati(const Real& tracking_index) {
   return {Real(h[0][0] / innovation), Real(h[0][1] / innovation), Real(h[0][2] / innovation)};
 }
 
-/// C(z) = (z - 1)^2 / T^2 numerator / denominator, in powers of z.
+/// C(z) = (z - 1)^2 / T^2 numerator / denominator, in powers of z; of an accelerometer H(z) = numerator /
+/// denominator.
 struct ReferenceEstimator {
   RealPolynomial numerator;
   RealPolynomial denominator;
@@ -153,8 +154,9 @@ inline ReferenceEstimator EstimatorIn50Digits(const LoopParameters& loop) {
       return {{0, k.gamma}, denominator};
     }
     case EstimatorKind::kAccelerometer:
+      return {{1}, {1}};
     case EstimatorKind::kFilteredAccelerometer:
-      break;  // not from positions
+      return {{0, 1 - a}, {-a, 1}};
   }
   return {};
 }

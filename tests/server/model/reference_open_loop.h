@@ -7,18 +7,27 @@
 #include <cstddef>
 #include <vector>
 
+#include "tests/server/model/reference_accelerometer.h"
 #include "tests/server/model/reference_estimator.h"
 #include "tests/server/model/reference_sampled_plant.h"
 
 namespace mwidth::model {
 
-/// M C(z) G(z) z^-delay, T = long double or Real.
+/// M C(z) G(z) z^-delay, or M H(z) A(z) with an accelerometer; T = long double or Real.
 template <typename T>
 class ReferenceOpenLoop {
  public:
   using Complex = std::complex<T>;
 
   explicit ReferenceOpenLoop(const LoopParameters& loop) {
+    if (IsAccelerometer(loop.estimator)) {
+      const ReferenceAcceleration sensed = AccelerationIn50Digits(loop);
+      const ReferenceEstimator filter = EstimatorIn50Digits(loop);
+      ticks_ = sensed.delay_ticks + 1;
+      numerator_ = InDifferences(Times(filter.numerator, sensed.numerator));
+      denominator_ = InDifferences(Times(filter.denominator, sensed.denominator));
+      return;
+    }
     const ReferenceSampledPlant plant = DiscretizeIn50Digits(loop);
     ticks_ = plant.delay_ticks;
     const ReferenceEstimator estimator = EstimatorIn50Digits(loop);
@@ -39,9 +48,11 @@ class ReferenceOpenLoop {
     const T half_sine = sin(angle / 2);
     const Complex w(-2 * half_sine * half_sine, sin(angle));
     const Complex z(cos(angle), sin(angle));
-    const Complex estimator = w * w * At(numerator_, w) / At(denominator_, w);
-    const Complex poles = w * w + (q_ + delta_) * w + q_;
-    Complex value = T(mass) * gain_ * estimator * (n0_ * z * z + n1_ * z + n2_) / (z * poles);
+    Complex value = T(mass) * At(numerator_, w) / At(denominator_, w);
+    if (gain_ != 0) {
+      const Complex poles = w * w + (q_ + delta_) * w + q_;
+      value *= w * w * gain_ * (n0_ * z * z + n1_ * z + n2_) / (z * poles);
+    }
     for (int i = 0; i < ticks_; ++i) {
       value /= z;
     }
@@ -86,7 +97,9 @@ class ReferenceOpenLoop {
 
   std::vector<T> numerator_;
   std::vector<T> denominator_;
-  T gain_, n0_, n1_, n2_, q_, delta_;
+  // Of the plant behind an estimator from positions.
+  T gain_ = 0;
+  T n0_, n1_, n2_, q_, delta_;
   int ticks_ = 0;
 };
 

@@ -30,7 +30,7 @@ TEST(RobustInterval, OfOneLoopIsItsMWidth) {
   for (int i = 0; i < 300; ++i) {
     LoopParameters loop = random.Next();
     loop.delay_s = 0;
-    loop.estimator = kEstimatorKinds.at(static_cast<std::size_t>(i) % kEstimatorKinds.size());
+    loop.estimator = kAllEstimatorKinds.at(static_cast<std::size_t>(i) % kAllEstimatorKinds.size());
     const MWidth nominal = ComputeMWidth(loop);
     const RobustCertificate certificate = CertifyRobustInterval(EnvelopeOf(loop));
     EXPECT_NEAR(certificate.lower.mass, nominal.lower.mass, -1e-6 * nominal.lower.mass);

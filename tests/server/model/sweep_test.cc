@@ -42,6 +42,8 @@ TEST(SweepParameter, EachHasItsOwnFieldOfThatName) {
   std::set<std::string> names;
   for (const SweepParameter parameter : kSweepParameters) {
     LoopParameters loop = kPaper;
+    loop.estimator = EstimatorKind::kAccelerometer;
+    loop.accelerometer_bandwidth_hz = 100;
     SweptField(loop, parameter) = -1;
     // The model's own check of the loop names the same field.
     const auto error = Validate(loop);
