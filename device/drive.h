@@ -1,4 +1,4 @@
-// The seam between the loop and a motor with an encoder.
+// The seam between the loop and a motor with an encoder, and perhaps an accelerometer.
 #pragma once
 
 #include <cstdint>
@@ -15,6 +15,12 @@ struct DriveInfo {
   bool simulated = false;
   /// Width of the counter that position_counts comes from, 8 to 64: a counter of fewer than 64 bits wraps.
   int position_bits = 64;
+  /// Acceleration of one count of the accelerometer, above 0, and its first-order bandwidth (accelerometer.h
+  /// of the model); 0 where there is none.
+  double acceleration_quantum = 0;
+  double accelerometer_bandwidth_hz = 0;
+
+  bool senses_acceleration() const noexcept { return acceleration_quantum > 0; }
 };
 
 /// What a drive answers to being enabled.
@@ -52,6 +58,8 @@ struct Reading {
   DriveTrouble trouble = DriveTrouble::kNone;
   /// The drive's own number of its error, or the identifier of the foreign frame; 0 where there is none.
   uint16_t trouble_code = 0;
+  /// What the accelerometer told with that position; 0 without one.
+  int32_t acceleration_counts = 0;
 };
 
 /// One motor with an encoder. All functions are called by the loop's thread and are Rt, except the

@@ -1,6 +1,7 @@
 #include "device/simulated_drive.h"
 
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -10,9 +11,14 @@ namespace {
 
 // Below this a double's counts are whole and far from what int64_t holds.
 constexpr double kMaxCounts = 1e15;
+constexpr double kMaxAccelerationCounts = std::numeric_limits<int32_t>::max();
 
 SimulatedDriveConfig Validated(const SimulatedDriveConfig& config) {
-  if (const auto error = model::Validate(config.loop)) {
+  model::LoopParameters loop = config.loop;
+  if (config.acceleration_quantum != 0) {
+    loop.estimator = model::EstimatorKind::kAccelerometer;  // whose bandwidth is then looked at, too
+  }
+  if (const auto error = model::Validate(loop)) {
     throw std::runtime_error("simulated drive: " + error->Message());
   }
   for (const auto& [name, quantum] : {std::pair{"position_quantum", config.position_quantum},
@@ -22,13 +28,35 @@ SimulatedDriveConfig Validated(const SimulatedDriveConfig& config) {
                                "; expected a finite value above 0");
     }
   }
+  if (!std::isfinite(config.acceleration_quantum) || config.acceleration_quantum < 0) {
+    throw std::runtime_error("simulated drive: acceleration_quantum is " +
+                             std::to_string(config.acceleration_quantum) +
+                             "; expected a finite value, at least 0");
+  }
   return config;
+}
+
+std::variant<model::HybridSimulation, model::AccelerometerSimulation> SimulationOf(
+    const SimulatedDriveConfig& config) {
+  if (config.acceleration_quantum > 0) {
+    return model::AccelerometerSimulation(config.loop);
+  }
+  return model::HybridSimulation(config.loop);
+}
+
+// std::visit, which may throw, without its throw.
+template <typename Simulation, typename Function>
+auto On(Simulation& simulation, const Function& function) noexcept {
+  if (auto* smooth = std::get_if<model::HybridSimulation>(&simulation)) {
+    return function(*smooth);
+  }
+  return function(*std::get_if<model::AccelerometerSimulation>(&simulation));
 }
 
 }  // namespace
 
 SimulatedDrive::SimulatedDrive(const SimulatedDriveConfig& config, std::unique_ptr<HandMotion> hand)
-    : config_(Validated(config)), hand_(std::move(hand)), simulation_(config_.loop) {
+    : config_(Validated(config)), hand_(std::move(hand)), simulation_(SimulationOf(config_)) {
   if (!hand_) {
     throw std::runtime_error("simulated drive: no hand motion; expected one");
   }
@@ -37,17 +65,24 @@ SimulatedDrive::SimulatedDrive(const SimulatedDriveConfig& config, std::unique_p
 DriveInfo SimulatedDrive::Info() const noexcept {
   return {.position_quantum = config_.position_quantum,
           .force_quantum = config_.force_quantum,
-          .simulated = true};
+          .simulated = true,
+          .acceleration_quantum = config_.acceleration_quantum,
+          .accelerometer_bandwidth_hz =
+              config_.acceleration_quantum > 0 ? config_.loop.accelerometer_bandwidth_hz : 0};
+}
+
+void SimulatedDrive::Command(double force) noexcept {
+  On(simulation_, [force](auto& simulation) { simulation.Command(force); });
 }
 
 Enabling SimulatedDrive::Enable() noexcept {
-  simulation_.Command(0);
+  Command(0);
   enabled_ = true;
   return Enabling::kEnabled;
 }
 
 void SimulatedDrive::Disable() noexcept {
-  simulation_.Command(0);
+  Command(0);
   enabled_ = false;
 }
 
@@ -57,7 +92,7 @@ double SimulatedDrive::HandAt(uint64_t tick) const noexcept {
 
 void SimulatedDrive::Rest(uint64_t tick) noexcept {
   const double hand = HandAt(tick);
-  simulation_.Reset(hand, 0, hand);
+  On(simulation_, [hand](auto& simulation) { simulation.Reset(hand, 0, hand); });
   tick_ = tick;
 }
 
@@ -74,20 +109,26 @@ Reading SimulatedDrive::Read(uint64_t tick) noexcept {
   }
   while (tick_ < tick) {
     ++tick_;
-    simulation_.Advance(HandAt(tick_));
+    On(simulation_, [hand = HandAt(tick_)](auto& simulation) { simulation.Advance(hand); });
   }
-  const double counts = simulation_.position() / config_.position_quantum;
-  if (!(std::abs(counts) < kMaxCounts)) {
+  const double counts =
+      On(simulation_, [](auto& simulation) { return simulation.position(); }) / config_.position_quantum;
+  const auto* sensed = std::get_if<model::AccelerometerSimulation>(&simulation_);
+  const double acceleration_counts =
+      sensed != nullptr ? std::round(sensed->sensed() / config_.acceleration_quantum) : 0;
+  if (!(std::abs(counts) < kMaxCounts && std::abs(acceleration_counts) <= kMaxAccelerationCounts)) {
     return {};
   }
-  return {.ok = true, .position_counts = std::llround(counts)};
+  return {.ok = true,
+          .position_counts = std::llround(counts),
+          .acceleration_counts = static_cast<int32_t>(acceleration_counts)};
 }
 
 bool SimulatedDrive::Write(int32_t force_counts) noexcept {
   if (!enabled_ && force_counts != 0) {
     return false;
   }
-  simulation_.Command(force_counts * config_.force_quantum);
+  Command(force_counts * config_.force_quantum);
   return true;
 }
 

@@ -51,7 +51,8 @@ std::unique_ptr<device::Drive> MakeDrive(const AxisConfig& config) {
   return std::make_unique<device::SimulatedDrive>(
       device::SimulatedDriveConfig{.loop = config.loop,
                                    .position_quantum = config.drive.position_quantum,
-                                   .force_quantum = config.drive.force_quantum},
+                                   .force_quantum = config.drive.force_quantum,
+                                   .acceleration_quantum = config.drive.acceleration_quantum},
       MakeHandMotion(std::get<HandMotionConfig>(config.drive.behind), config.kind));
 }
 

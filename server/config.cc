@@ -20,19 +20,27 @@ constexpr double kLargest = 1e6;
 
 model::EstimatorKind ReadEstimator(ConfigTable& timing) {
   const char* const otherwise = model::Name(model::EstimatorKind::kFilteredDifference);
-  const std::string name = timing.StringOr("estimator", otherwise);
-  const auto kind = model::EstimatorNamed(name);
-  if (kind && model::IsAccelerometer(*kind)) {
-    timing.Refuse("estimator", "is \"" + name +
-                                   "\", of which the model knows the stability, but no drive reads an "
-                                   "accelerometer; use an estimator from positions");
-  }
   std::vector<std::string> names;
-  names.reserve(model::kEstimatorKinds.size());
+  names.reserve(model::kEstimatorKinds.size() + model::kAccelerometerKinds.size());
   for (const model::EstimatorKind known : model::kEstimatorKinds) {
     names.emplace_back(model::Name(known));
   }
+  for (const model::EstimatorKind known : model::kAccelerometerKinds) {
+    names.emplace_back(model::Name(known));
+  }
   return *model::EstimatorNamed(timing.OneOfOr("estimator", names, otherwise));
+}
+
+void RefuseMissingAccelerometer(ConfigTable& axis, const AxisConfig& read) {
+  if (!model::IsAccelerometer(read.loop.estimator) || read.drive.acceleration_quantum > 0) {
+    return;
+  }
+  axis.Table("loop").Refuse(
+      "estimator", std::string("is \"") + model::Name(read.loop.estimator) + "\", but " +
+                       (read.drive.simulated()
+                            ? "the drive has no accelerometer: describe it in [axis.drive.accelerometer]"
+                            : "a drive of this type reads no accelerometer, only the simulated one does") +
+                       ", or use an estimator from positions");
 }
 
 model::LoopParameters ReadLoop(ConfigTable& axis) {
@@ -138,6 +146,8 @@ AxisConfig ReadAxis(ConfigTable axis, const std::filesystem::path& folder) {
   read.limits = ReadLimits(limits);
   read.realtime = ReadRealtime(axis.Table("realtime"), read.loop.period_s);
   read.drive = ReadDrive(axis.Table("drive"), folder, read.loop, read.limits.force);
+  RefuseMissingAccelerometer(axis, read);
+  read.loop.accelerometer_bandwidth_hz = read.drive.accelerometer_bandwidth_hz;
   if (read.limits.force_slew.value_or(HUGE_VAL) * read.loop.period_s < read.drive.force_quantum) {
     limits.Refuse("force_slew", "is too small: it must be at least a force count per period");
   }

@@ -28,9 +28,15 @@ HandMotionConfig ReadHandMotion(ConfigTable motion, const std::filesystem::path&
 }
 
 DriveConfig ReadSimulated(ConfigTable& drive, const std::filesystem::path& folder) {
-  return {.position_quantum = drive.Number("position_quantum", {0, 1, true}),
-          .force_quantum = drive.Number("force_quantum", {0, 1e3, true}),
-          .behind = ReadHandMotion(drive.Table("hand_motion"), folder)};
+  DriveConfig read{.position_quantum = drive.Number("position_quantum", {0, 1, true}),
+                   .force_quantum = drive.Number("force_quantum", {0, 1e3, true}),
+                   .behind = ReadHandMotion(drive.Table("hand_motion"), folder)};
+  if (std::optional<ConfigTable> accelerometer = drive.OptionalTable("accelerometer")) {
+    read.acceleration_quantum = accelerometer->Number("quantum", {0, 1e3, true});
+    read.accelerometer_bandwidth_hz = accelerometer->Number("bandwidth_hz", {0.1, kLargest});
+    accelerometer->Finish();
+  }
+  return read;
 }
 
 }  // namespace

@@ -28,6 +28,9 @@ struct DriveConfig {
   /// Position of one count of the encoder and force of one count of the motor.
   double position_quantum = 0;
   double force_quantum = 0;
+  /// Acceleration of one count of the accelerometer, and its bandwidth; 0 where there is none.
+  double acceleration_quantum = 0;
+  double accelerometer_bandwidth_hz = 0;
   /// What turns the joint: a simulated hand, or a motor behind a link.
   std::variant<HandMotionConfig, device::modbus::ModbusDriveConfig, device::canopen::CanopenDriveConfig>
       behind;

@@ -12,6 +12,7 @@ gate::AxisDescription DescribeAxis(const AxisConfig& config) {
   description.force_limit = config.limits.force;
   description.required_gain_margin_db = config.required_gain_margin_db;
   description.position_quantum = config.drive.position_quantum;
+  description.acceleration_quantum = config.drive.acceleration_quantum;
   description.force_noise_limit = config.force_noise_limit;
   description.hand_envelope = config.hand_envelope;
   description.device_tolerance = config.device_tolerance;

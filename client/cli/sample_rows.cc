@@ -19,14 +19,17 @@ class Csv : public SampleRows {
       out_ << "tick,monotonic_ns,position_" << units_.position.suffix << ",velocity_"
            << units_.velocity.suffix << ",acceleration_" << units_.acceleration.suffix << ",force_"
            << units_.force.suffix << ",mass_" << units_.mass.suffix
-           << ",state,saturated,position_counts,force_counts\n";
+           << ",state,saturated,position_counts,force_counts,acceleration_counts\n";
       head_written_ = true;
     }
     out_ << TickOf(batch, index) << ',' << batch.monotonic_ns(index) << ',' << Exact(batch.position(index))
          << ',' << Exact(batch.velocity(index)) << ',' << Exact(batch.acceleration(index)) << ','
          << Exact(batch.force(index)) << ',' << Exact(batch.mass(index)) << ','
          << StateName(batch.state(index)) << ',' << (batch.saturated(index) ? 1 : 0) << ','
-         << batch.position_counts(index) << ',' << batch.force_counts(index) << '\n';
+         << batch.position_counts(index) << ',' << batch.force_counts(index)
+         << ','
+         // A server from before accelerometers sends none.
+         << (index < batch.acceleration_counts_size() ? batch.acceleration_counts(index) : 0) << '\n';
   }
 
  private:

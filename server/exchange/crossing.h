@@ -27,6 +27,7 @@ enum class Fault : uint8_t {
   kForceSlew,
   kEncoderJump,
   kEncoderFreeze,
+  kAccelerometer,
   kRepeatedOverrun,
   kLoopDelay,
   kPositionGaps,
@@ -109,6 +110,8 @@ struct Sample {
   uint64_t tick = 0;
   int64_t monotonic_ns = 0;
   int64_t position_counts = 0;
+  /// What the accelerometer told with the position; 0 without one.
+  int32_t acceleration_counts = 0;
   int32_t force_counts = 0;
   State state = State::kIdle;
   /// The force is not M a_hat: the force limit, or the limit on its change, clamped it.

@@ -25,7 +25,11 @@ struct AxisDescription {
   double required_gain_margin_db = 0;
   /// Position of one encoder count; m or rad.
   double position_quantum = 0;
-  /// Largest standard deviation of the force that the encoder's counts may cause; none: any.
+  /// Acceleration of one count of the accelerometer, m/s^2 or rad/s^2; its bandwidth is in `loop`. 0 where
+  /// there is none: then no estimator that reads one is granted.
+  double acceleration_quantum = 0;
+  /// Largest standard deviation of the force that the counts of the encoder, or of the accelerometer, may
+  /// cause; none: any.
   std::optional<double> force_noise_limit{};
   /// Hands and devices that every admitted mass is stable with; none: exactly those of `loop`.
   std::optional<model::HandEnvelope> hand_envelope{};
@@ -40,9 +44,10 @@ struct AxisDescription {
 
   /// What every admitted mass keeps.
   gate::Requirements Requirements() const {
-    const auto noise = force_noise_limit
-                           ? std::optional(ForceNoiseLimit{position_quantum, *force_noise_limit})
-                           : std::nullopt;
+    const auto noise =
+        force_noise_limit
+            ? std::optional(ForceNoiseLimit{position_quantum, *force_noise_limit, acceleration_quantum})
+            : std::nullopt;
     return {required_gain_margin_db, noise, hand_envelope, device_tolerance};
   }
 };

@@ -60,8 +60,8 @@ Result<MassGrant> AxisGate::SetMass(const std::string& lease_id, const MassReque
   if (!posted->ok()) {
     return posted->refusal();
   }
-  grant.accuracy =
-      PredictAccuracy(grant.stability.loop, request.mass, kDefaultBand, description_.position_quantum);
+  grant.accuracy = PredictAccuracy(grant.stability.loop, request.mass, kDefaultBand,
+                                   description_.position_quantum, description_.acceleration_quantum);
   if (!request.validate_only) {
     const Result<LoopStatus> answer = Await(**posted, [](const LoopStatus&) { return true; });
     if (!answer.ok()) {
@@ -102,10 +102,10 @@ Result<FilterGrant> AxisGate::SetFilter(const std::string& lease_id, const Filte
   FilterGrant grant{.loop = description_.loop, .stability = {}, .tick = 0};
   grant.loop.estimator = request.estimator;
   grant.loop.cutoff_hz = request.cutoff_hz;
-  if (model::IsAccelerometer(request.estimator)) {
+  if (model::IsAccelerometer(request.estimator) && description_.acceleration_quantum == 0) {
     return InvalidNumber({.parameter = "estimator",
                           .value = static_cast<double>(request.estimator),
-                          .allowed = "one that estimates from positions: no drive reads an accelerometer"});
+                          .allowed = "one that estimates from positions: this axis has no accelerometer"});
   }
   if (const auto error = model::Validate(grant.loop)) {
     return InvalidNumber(*error);

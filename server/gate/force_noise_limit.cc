@@ -8,7 +8,8 @@
 namespace mwidth::gate {
 
 bool Keeps(const ForceNoiseLimit& limit, const model::LoopParameters& loop, double mass) {
-  const std::optional<double> noise = model::ForceNoise(loop, mass, limit.position_quantum);
+  const std::optional<double> noise =
+      model::ForceNoise(loop, mass, limit.position_quantum, limit.acceleration_quantum);
   return noise && *noise <= limit.max_force_noise;
 }
 

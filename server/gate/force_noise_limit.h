@@ -5,12 +5,14 @@
 
 namespace mwidth::gate {
 
-/// How much the encoder's counts may make the commanded force buzz.
+/// How much the counts of the encoder, or of the accelerometer, may make the commanded force buzz.
 struct ForceNoiseLimit {
   /// Position of one encoder count, m or rad; above 0.
   double position_quantum = 0;
   /// Largest standard deviation of the force, N or N m; above 0.
   double max_force_noise = 0;
+  /// Acceleration of one count of the accelerometer, m/s^2 or rad/s^2; 0 where there is none.
+  double acceleration_quantum = 0;
 };
 
 /// Whether the force noise of `mass` is within the limit; false where the mass is outside of the M-width.

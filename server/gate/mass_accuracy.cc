@@ -27,10 +27,10 @@ std::string WhyMissing(const model::LoopParameters& loop, const model::Perceived
 }  // namespace
 
 MassAccuracy PredictAccuracy(const model::LoopParameters& loop, double mass, const model::MotionBand& band,
-                             double position_quantum) {
+                             double position_quantum, double acceleration_quantum) {
   const model::PerceivedMass perceived = model::PredictPerceivedMass(loop, mass, band);
   MassAccuracy accuracy{.ideal_mass = loop.device_mass + mass,
-                        .force_noise = model::ForceNoise(loop, mass, position_quantum),
+                        .force_noise = model::ForceNoise(loop, mass, position_quantum, acceleration_quantum),
                         .unavailable_reason = WhyMissing(loop, perceived)};
   if (perceived.perception == model::Perception::kKnown) {
     accuracy.perceived_mass = perceived.mass;

@@ -23,16 +23,17 @@ struct MassAccuracy {
   /// The same by exact simulation, where it was asked for.
   std::optional<double> simulated_perceived_mass{};
   std::optional<double> simulated_error{};
-  /// Standard deviation of the force that the encoder's quantum causes.
+  /// Standard deviation of the force that the quantum of the encoder, or of the accelerometer, causes.
   std::optional<double> force_noise{};
   /// A sentence where a figure is missing that was asked for.
   std::string unavailable_reason{};
 };
 
-/// Predicts the accuracy of `mass`, finite, with an encoder of `position_quantum`, m or rad, at least 0.
+/// Predicts the accuracy of `mass`, finite, with an encoder of `position_quantum`, m or rad, and an
+/// accelerometer of `acceleration_quantum`, m/s^2 or rad/s^2, where the loop reads one; both at least 0.
 /// Precondition: model::Validate accepts loop and band. Any thread, some 20 us.
 MassAccuracy PredictAccuracy(const model::LoopParameters& loop, double mass, const model::MotionBand& band,
-                             double position_quantum);
+                             double position_quantum, double acceleration_quantum = 0);
 
 /// Adds the simulated figures for the same loop, mass and band. Any thread; up to seconds.
 void SimulateAccuracy(const model::LoopParameters& loop, double mass, const model::MotionBand& band,

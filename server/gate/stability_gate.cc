@@ -119,7 +119,7 @@ StabilityReport StabilityGate::Judge(double mass, const MassLimits& limits, mode
     report.critical_hz = (mass < 0 ? certificate_->lower : certificate_->upper).binding_edge.critical_hz;
   }
   if (const auto& limit = requirements_.noise_limit) {
-    report.force_noise = model::ForceNoise(loop_, mass, limit->position_quantum);
+    report.force_noise = model::ForceNoise(loop_, mass, limit->position_quantum, limit->acceleration_quantum);
     report.noisy = report.admitted && mass != 0 && !Keeps(*limit, loop_, mass);
     report.admitted = report.admitted && !report.noisy;
     report.nearest_admitted_mass = NearestQuietMass(*limit, loop_, report.nearest_admitted_mass);
@@ -184,10 +184,14 @@ std::string StabilityGate::Binding(const StabilityReport& report, model::AxisKin
   }
   if (report.noisy) {
     const ForceNoiseLimit& limit = requirements_.noise_limit.value();
-    return "The encoder's counts of " + Figure(limit.position_quantum) + " " + PositionUnit(kind) +
-           " put a noise of " + Figure(report.force_noise.value_or(0)) + " " + ForceUnit(kind) +
-           " on the force (standard deviation); " + Figure(limit.max_force_noise) + " " + ForceUnit(kind) +
-           " are allowed.";
+    const std::string counts =
+        model::IsAccelerometer(loop_.estimator)
+            ? "accelerometer's counts of " + Figure(limit.acceleration_quantum) + " " + PositionUnit(kind) +
+                  "/s^2"
+            : "encoder's counts of " + Figure(limit.position_quantum) + " " + PositionUnit(kind);
+    return "The " + counts + " put a noise of " + Figure(report.force_noise.value_or(0)) + " " +
+           ForceUnit(kind) + " on the force (standard deviation); " + Figure(limit.max_force_noise) + " " +
+           ForceUnit(kind) + " are allowed.";
   }
   const bool lower = report.requested_mass < 0;
   const std::string at =

@@ -39,8 +39,7 @@ class StabilityGate {
 
   /// Judges a finite `mass`: is it inside the admitted interval, and quiet enough? A mass of 0 is always
   /// admitted, even where the M-width is empty: the force is then zero and the device is left to itself,
-  /// which is the safe state to ramp to. Throws std::invalid_argument for an accelerometer, whose margins are
-  /// not known. `kind` names the units in `binding`. Some 2 ms; for a refused mass
+  /// which is the safe state to ramp to. `kind` names the units in `binding`. Some 2 ms; for a refused mass
   /// up to seconds where several loops are assumed, for the cut-off that would admit it.
   StabilityReport Judge(double mass, const MassLimits& limits, model::AxisKind kind) const;
 

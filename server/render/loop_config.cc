@@ -33,6 +33,17 @@ void CheckLimits(const LoopConfig& c, const device::DriveInfo& drive) {
           "0 to 0.9");
 }
 
+void CheckAccelerometer(const LoopConfig& c, const device::DriveInfo& drive) {
+  const double quantum = drive.acceleration_quantum;
+  const double bandwidth_hz = drive.accelerometer_bandwidth_hz;
+  Require(quantum >= 0 && std::isfinite(quantum), "the drive's acceleration_quantum", quantum,
+          "above 0, or 0 where it has no accelerometer");
+  Require(quantum == 0 || (bandwidth_hz >= 0.1 && bandwidth_hz <= 1e6),
+          "the drive's accelerometer_bandwidth_hz", bandwidth_hz, "0.1 to 1e6");
+  Require(quantum > 0 || !model::IsAccelerometer(c.estimator), "the drive's acceleration_quantum", quantum,
+          "above 0 for an estimator that reads an accelerometer");
+}
+
 void CheckWatch(const WatchConfig& w) {
   Require(w.window_s >= 0.1 && w.window_s <= 10, "watch.window_s", w.window_s, "0.1 to 10");
   const auto part_of_window = [&w](const char* field, double value) {
@@ -68,6 +79,12 @@ void CheckCounter(const LoopConfig& c, const device::DriveInfo& drive) {
 
 }  // namespace
 
+bool Runs(model::EstimatorKind estimator, double period_s, double cutoff_hz,
+          const device::DriveInfo& drive) noexcept {
+  return model::Runs(estimator, period_s, cutoff_hz) &&
+         (!model::IsAccelerometer(estimator) || drive.senses_acceleration());
+}
+
 const LoopConfig& Checked(const LoopConfig& c, const device::DriveInfo& drive) {
   Require(c.period_s >= 1e-4 && c.period_s <= 1e-2, "period_s", c.period_s, "0.0001 to 0.01");
   Require(model::Runs(c.estimator, c.period_s, c.cutoff_hz), "cutoff_hz", c.cutoff_hz,
@@ -76,6 +93,7 @@ const LoopConfig& Checked(const LoopConfig& c, const device::DriveInfo& drive) {
           drive.position_quantum, "above 0");
   Require(drive.force_quantum > 0 && std::isfinite(drive.force_quantum), "the drive's force_quantum",
           drive.force_quantum, "above 0");
+  CheckAccelerometer(c, drive);
   CheckLimits(c, drive);
   CheckWatch(c.watch);
   CheckCounter(c, drive);

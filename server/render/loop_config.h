@@ -28,7 +28,7 @@ struct RealtimeConfig {
 struct LoopConfig {
   /// Sample period T, 1e-4 to 1e-2 s.
   double period_s = 1e-3;
-  /// Filter of the acceleration until another is asked for: what model::Runs allows.
+  /// Filter of the acceleration until another is asked for: what Runs allows.
   model::EstimatorKind estimator = model::EstimatorKind::kFilteredDifference;
   double cutoff_hz = 10;
 
@@ -54,6 +54,11 @@ struct LoopConfig {
   HandMonitorConfig hand_monitor;
   RealtimeConfig realtime;
 };
+
+/// True where a loop of this period runs `estimator` at `cutoff_hz` with this drive: what model::Runs allows,
+/// and an accelerometer only where there is one. Any thread. Rt.
+bool Runs(model::EstimatorKind estimator, double period_s, double cutoff_hz,
+          const device::DriveInfo& drive) noexcept;
 
 /// `config`, if it can run with a drive of these properties. Throws std::invalid_argument, with the field and
 /// what is allowed, where it is out of range.

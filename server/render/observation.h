@@ -23,6 +23,8 @@ struct Observation {
   device::DriveTrouble trouble = device::DriveTrouble::kNone;
   uint16_t trouble_code = 0;
   double position = 0;
+  /// Where fresh: what the accelerometer told with the position; 0 without one.
+  double sensed_acceleration = 0;
   double velocity = 0;
   double acceleration = 0;
   /// The force that has acted since the tick before.

@@ -35,6 +35,7 @@ bool LeavesEstimateSound(Fault fault) noexcept {
     case Fault::kDriveError:
     case Fault::kEncoderJump:
     case Fault::kEncoderFreeze:
+    case Fault::kAccelerometer:
     // What grows goes on growing through a ramp.
     case Fault::kGrowingOscillation:
     case Fault::kEnergyExcess:
@@ -48,10 +49,12 @@ bool LeavesEstimateSound(Fault fault) noexcept {
 Supervisor::Supervisor(const LoopConfig& config, const Settings& history, device::Drive& drive) noexcept
     : config_(config),
       drive_(drive),
+      drive_info_(drive.Info()),
       mass_(config.period_s),
       epoch_seen_(history.render_epoch),
       drive_watch_(config),
-      encoder_watch_(config, drive.Info().position_quantum),
+      encoder_watch_(config, drive_info_.position_quantum),
+      accelerometer_watch_(config, drive_info_),
       force_watch_(config),
       timing_watch_(config),
       hand_monitor_(config.hand_monitor, config.period_s, config.force_limit) {}
@@ -151,7 +154,7 @@ void Supervisor::Follow(const Settings& settings, const exchange::Filter& runnin
   const auto estimator = static_cast<model::EstimatorKind>(settings.filter.estimator);
   if (!std::isfinite(settings.mass)) {
     Trip(Fault::kNotFinite, settings.mass, 0);
-  } else if (!model::Runs(estimator, config_.period_s, settings.filter.cutoff_hz)) {
+  } else if (!Runs(estimator, config_.period_s, settings.filter.cutoff_hz, drive_info_)) {
     Trip(Fault::kNotFinite, settings.filter.cutoff_hz, 0);
   } else if (settings.filter != running) {
     changing_filter_ = true;
@@ -181,6 +184,7 @@ void Supervisor::Watch(const Observation& seen) noexcept {
   force_watch_.Hold(seen.missed_ticks);
   if (seen.fresh) {
     encoder_watch_.Follow(seen.position_counts, seen.answer_periods);
+    accelerometer_watch_.Follow(seen.velocity, seen.sensed_acceleration, seen.answer_periods);
   }
   // The cause before what follows from it: an encoder that jumps also leaves the limits.
   if (enabled_) {
@@ -195,6 +199,9 @@ void Supervisor::Watch(const Observation& seen) noexcept {
   }
   if (enabled_) {
     Judge(encoder_watch_.Judge());
+    if (model::IsAccelerometer(static_cast<model::EstimatorKind>(seen.filter.estimator))) {
+      Judge(accelerometer_watch_.Judge());
+    }
   }
   if (state_ == State::kRendering) {
     Judge(JudgeHand(seen));

@@ -6,6 +6,7 @@
 
 #include "device/drive.h"
 #include "server/exchange/crossing.h"
+#include "server/render/accelerometer_watch.h"
 #include "server/render/breach.h"
 #include "server/render/drive_watch.h"
 #include "server/render/encoder_watch.h"
@@ -89,6 +90,7 @@ class Supervisor {
 
   const LoopConfig config_;
   device::Drive& drive_;
+  const device::DriveInfo drive_info_;
   MassRamp mass_;
   exchange::State state_ = exchange::State::kIdle;
   exchange::FaultRecord fault_;
@@ -107,6 +109,7 @@ class Supervisor {
   uint64_t cleared_fault_number_ = 0;
   DriveWatch drive_watch_;
   EncoderWatch encoder_watch_;
+  AccelerometerWatch accelerometer_watch_;
   ForceWatch force_watch_;
   TimingWatch timing_watch_;
   HandMonitor hand_monitor_;

@@ -44,7 +44,7 @@ void Tick::Run(uint64_t tick, int64_t now_ns, uint64_t missed_ticks) noexcept {
   // After the read, which may wait for the drive: an emergency stop posted meanwhile counts in this tick.
   TakeSettings();
   if (reading.ok) {
-    Follow(tick, reading.position_counts);
+    Follow(tick, reading);
   }
   const double mass = supervisor_.Step(settings_, {.tick = tick,
                                                    .monotonic_ns = now_ns,
@@ -55,6 +55,7 @@ void Tick::Run(uint64_t tick, int64_t now_ns, uint64_t missed_ticks) noexcept {
                                                    .trouble = reading.trouble,
                                                    .trouble_code = reading.trouble_code,
                                                    .position = position_,
+                                                   .sensed_acceleration = sensed_acceleration_,
                                                    .velocity = estimator_.velocity(),
                                                    .acceleration = estimator_.acceleration(),
                                                    .force = acting_counts_ * info_.force_quantum,
@@ -66,20 +67,22 @@ void Tick::Run(uint64_t tick, int64_t now_ns, uint64_t missed_ticks) noexcept {
   PostStatus(tick, now_ns);
 }
 
-void Tick::Follow(uint64_t tick, int64_t position_counts) noexcept {
-  position_counts_ = counter_.Follow(position_counts);
+void Tick::Follow(uint64_t tick, const device::Reading& reading) noexcept {
+  position_counts_ = counter_.Follow(reading.position_counts);
   position_ = PositionOf(position_counts_, info_.position_quantum);
   // Missed and silent ticks are one gap to the estimator, which bridges it: a held position would read as a
   // jump.
   answer_periods_ = tick - answered_tick_;
-  estimator_.Update(position_, answer_periods_);
+  acceleration_counts_ = reading.acceleration_counts;
+  sensed_acceleration_ = acceleration_counts_ * info_.acceleration_quantum;
+  estimator_.Update(position_, answer_periods_, sensed_acceleration_);
   answered_tick_ = tick;
 }
 
 void Tick::FollowFilter() noexcept {
   const auto estimator = static_cast<model::EstimatorKind>(settings_.filter.estimator);
   if (settings_.filter != filter_ && supervisor_.MassIsZero() &&
-      model::Runs(estimator, period_s_, settings_.filter.cutoff_hz)) {
+      Runs(estimator, period_s_, settings_.filter.cutoff_hz, info_)) {
     filter_ = settings_.filter;
     estimator_ = estimator_.ChangedTo(estimator, filter_.cutoff_hz);
   }
@@ -115,6 +118,7 @@ void Tick::PostSample(uint64_t tick, int64_t now_ns, bool stale) noexcept {
   crossing_.samples.Push({.tick = tick,
                           .monotonic_ns = now_ns,
                           .position_counts = position_counts_,
+                          .acceleration_counts = acceleration_counts_,
                           .force_counts = force_.counts,
                           .state = supervisor_.state(),
                           .saturated = force_.saturated,

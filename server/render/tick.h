@@ -17,7 +17,8 @@ namespace mwidth::render {
 /// Reads the drive, estimates the acceleration, applies eq. 5 and the limits, writes the drive, and posts
 /// what it did. No time, thread or memory of its own but what is passed in: the same readings and settings
 /// give the same samples, to the bit. In a Sample, position = position_counts * position_quantum; velocity
-/// and acceleration are those of model::AccelerationEstimator over the ticks whose position is not stale, as
+/// and acceleration are those of model::AccelerationEstimator over the ticks whose position is not stale,
+/// with the acceleration_counts * acceleration_quantum of those ticks where that reads an accelerometer, as
 /// the sample's filter, into which it changes (ChangedTo) before its first estimate; force = force_counts *
 /// force_quantum, and force_counts is mass * acceleration, rounded to counts, limited in size and in its
 /// step from the force that the drive last took: the force that the drive was given. Its position_counts are
@@ -45,7 +46,7 @@ class Tick {
   /// Takes the newest settings, if any; what they leave open is as configured.
   void TakeSettings() noexcept;
   /// The motion at the last answer of the drive.
-  void Follow(uint64_t tick, int64_t position_counts) noexcept;
+  void Follow(uint64_t tick, const device::Reading& reading) noexcept;
   ForceCommand ForceAt(double mass) noexcept;
   void Command(double mass) noexcept;
   /// Changes to the filter that is set, once no mass is rendered.
@@ -70,6 +71,8 @@ class Tick {
   Counter counter_;
   int64_t position_counts_ = 0;
   double position_ = 0;
+  int32_t acceleration_counts_ = 0;
+  double sensed_acceleration_ = 0;
   uint64_t answered_tick_ = 0;
   uint64_t answer_periods_ = 1;
   std::optional<int64_t> loop_delay_ns_;

@@ -44,6 +44,8 @@ v1::FaultKind Kind(exchange::Fault fault) {
       return v1::FAULT_KIND_ENCODER_JUMP;
     case exchange::Fault::kEncoderFreeze:
       return v1::FAULT_KIND_ENCODER_FREEZE;
+    case exchange::Fault::kAccelerometer:
+      return v1::FAULT_KIND_ACCELEROMETER;
     case exchange::Fault::kRepeatedOverrun:
       return v1::FAULT_KIND_REPEATED_OVERRUN;
     case exchange::Fault::kLoopDelay:
@@ -186,6 +188,7 @@ void Convert(const gate::AxisDescription& axis, v1::AxisInfo& message) {
   message.set_force_limit(axis.force_limit);
   message.set_simulated(axis.simulated);
   message.set_position_quantum(axis.position_quantum);
+  message.set_acceleration_quantum(axis.acceleration_quantum);
   if (axis.force_noise_limit) {
     message.set_force_noise_limit(*axis.force_noise_limit);
   }

@@ -35,6 +35,8 @@ std::optional<model::SweepParameter> Parameter(v1::SweepParameter parameter) {
       return model::SweepParameter::kCutoffHz;
     case v1::SWEEP_PARAMETER_DELAY_S:
       return model::SweepParameter::kDelayS;
+    case v1::SWEEP_PARAMETER_ACCELEROMETER_BANDWIDTH_HZ:
+      return model::SweepParameter::kAccelerometerBandwidthHz;
     default:
       return std::nullopt;
   }
@@ -43,7 +45,7 @@ std::optional<model::SweepParameter> Parameter(v1::SweepParameter parameter) {
 gate::Result<model::SweepRange> ReadRange(const std::string& side, const v1::SweepRange& range) {
   const std::optional<model::SweepParameter> parameter = Parameter(range.parameter());
   if (!parameter) {
-    return gate::InvalidNumber(side + ".parameter", range.parameter(), "a SweepParameter, 1 to 8");
+    return gate::InvalidNumber(side + ".parameter", range.parameter(), "a SweepParameter, 1 to 9");
   }
   return model::SweepRange{.parameter = *parameter,
                            .min = range.min(),

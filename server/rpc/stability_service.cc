@@ -145,9 +145,7 @@ grpc::Status StabilityService::GetFrequencyResponse(grpc::ServerContext*,
       [&](const FrequencyResponseQuery& query) {
         Convert(query.loop, *response->mutable_loop());
         Convert(model::ComputeBode(query.loop, query.mass, query.frequencies, query.model), *response);
-        if (!model::IsAccelerometer(query.loop.estimator)) {
-          Convert(model::ComputeMargins(query.loop, query.mass), *response->mutable_margins());
-        }
+        Convert(model::ComputeMargins(query.loop, query.mass), *response->mutable_margins());
       });
 }
 
@@ -163,7 +161,8 @@ grpc::Status StabilityService::GetAccuracy(grpc::ServerContext*, const v1::GetAc
       return ToStatus(query.refusal());
     }
     gate::MassAccuracy accuracy = gate::PredictAccuracy(query->loop, query->mass, query->band,
-                                                        (*axis)->gate.description().position_quantum);
+                                                        (*axis)->gate.description().position_quantum,
+                                                        (*axis)->gate.description().acceleration_quantum);
     if (request->simulate()) {
       const ComputationLimit::Place place(computations_);
       if (!place.taken()) {

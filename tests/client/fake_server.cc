@@ -251,6 +251,7 @@ class FakeServer::Telemetry : public v1::TelemetryService::Service {
     batch.add_saturated(tick % 2 == 1);
     batch.add_position_counts(-static_cast<int64_t>(tick));
     batch.add_force_counts(12);
+    batch.add_acceleration_counts(-7);
   }
 
   FakeServer& fake_;

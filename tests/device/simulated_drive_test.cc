@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -72,6 +73,53 @@ TEST(SimulatedDrive, ReadsTheModelsPositionInWholeCounts) {
     model.Command(force_counts * 1e-3);
     model.Advance(hand->PositionAt(static_cast<double>(tick + 1) * 1e-3));
   }
+}
+
+TEST(SimulatedDrive, ReadsTheModelsAccelerometerInWholeCounts) {
+  SimulatedDriveConfig config = PaperDrive();
+  config.loop.accelerometer_bandwidth_hz = 150;
+  config.acceleration_quantum = 0.02;
+  SimulatedDrive drive(config, Reach());
+  EXPECT_TRUE(drive.Info().senses_acceleration());
+  EXPECT_EQ(drive.Info().acceleration_quantum, 0.02);
+  EXPECT_EQ(drive.Info().accelerometer_bandwidth_hz, 150);
+  model::AccelerometerSimulation model(config.loop);
+  const std::unique_ptr<HandMotion> hand = Reach();
+  model.Reset(hand->PositionAt(0), 0, hand->PositionAt(0));
+  ASSERT_EQ(drive.Enable(), Enabling::kEnabled);
+  int largest = 0;
+  for (uint64_t tick = 0; tick < 1500; ++tick) {
+    const Reading reading = drive.Read(1000 + tick);
+    ASSERT_TRUE(reading.ok);
+    ASSERT_EQ(reading.position_counts, std::llround(model.position() / 1e-5));
+    ASSERT_EQ(reading.acceleration_counts, std::lround(model.sensed() / 0.02));
+    largest = std::max(largest, reading.acceleration_counts);
+    const auto force_counts = static_cast<int32_t>(tick % 300) - 100;
+    ASSERT_TRUE(drive.Write(force_counts));
+    model.Command(force_counts * 1e-3);
+    model.Advance(hand->PositionAt(static_cast<double>(tick + 1) * 1e-3));
+  }
+  EXPECT_GT(largest, 50);
+}
+
+TEST(SimulatedDrive, HasNoAccelerometerUnlessToldSo) {
+  EXPECT_FALSE(DriveOfStillHand()->Info().senses_acceleration());
+  EXPECT_EQ(DriveOfStillHand()->Read(0).acceleration_counts, 0);
+  SimulatedDriveConfig config = PaperDrive();
+  config.acceleration_quantum = 0.02;  // of a sensor without a bandwidth
+  EXPECT_THROW(SimulatedDrive(config, Reach()), std::runtime_error);
+  config.loop.accelerometer_bandwidth_hz = 150;
+  config.acceleration_quantum = -1;
+  EXPECT_THROW(SimulatedDrive(config, Reach()), std::runtime_error);
+}
+
+TEST(SimulatedDrive, FailsWhereTheAccelerationHasNoCount) {
+  SimulatedDriveConfig config = PaperDrive();
+  config.loop.accelerometer_bandwidth_hz = 150;
+  config.acceleration_quantum = 1e-12;
+  SimulatedDrive drive(config, Reach());
+  EXPECT_TRUE(drive.Read(0).ok);
+  EXPECT_FALSE(drive.Read(300).ok);
 }
 
 TEST(SimulatedDrive, MovesOnThroughSkippedTicksUnderTheLastForce) {

@@ -187,7 +187,7 @@ TEST_F(ConfigTest, ReadsEveryShippedConfiguration) {
 
 TEST_F(ConfigTest, NamesFileLineKeyAndRangeOfAWrongNumber) {
   EXPECT_THAT(ErrorAfter("cutoff_hz = 10.0", "cutoff_hz = 501"),
-              AllOf(HasSubstr(".toml:30: axis.loop.cutoff_hz is 501"), HasSubstr("at most 500")));
+              AllOf(HasSubstr(".toml:33: axis.loop.cutoff_hz is 501"), HasSubstr("at most 500")));
   EXPECT_THAT(ErrorAfter("period_s = 0.001", "period_s = 0"), HasSubstr("from 0.0001 to 0.01"));
   EXPECT_THAT(ErrorAfter("mass = 0.070", "mass = nan"), HasSubstr("axis.device.mass is nan"));
   EXPECT_THAT(ErrorAfter("stiffness = 700.0", "stiffness = inf"), HasSubstr("axis.hand.stiffness is inf"));
@@ -208,11 +208,50 @@ TEST_F(ConfigTest, ReadsTheEstimatorAndItsCutoffs) {
   EXPECT_THAT(with("butterworth", "495"),
               AllOf(HasSubstr("axis.loop.cutoff_hz is 495"), HasSubstr("to 490")));
   EXPECT_THAT(with("filtered-accelerometer", "30"),
-              AllOf(HasSubstr("axis.loop.estimator is \"filtered-accelerometer\""),
-                    HasSubstr("no drive reads an accelerometer")));
+              AllOf(HasSubstr(".toml:31: axis.loop.estimator is \"filtered-accelerometer\""),
+                    HasSubstr("[axis.drive.accelerometer]")));
   EXPECT_THAT(with("savitzky-golay", "30"), AllOf(HasSubstr("axis.loop.estimator is \"savitzky-golay\""),
                                                   HasSubstr("\"butterworth\", \"kalman\"")));
   EXPECT_EQ(ErrorAfter(shipped, last), "accepted");
+}
+
+TEST_F(ConfigTest, ReadsTheAccelerometerOfTheSimulatedDrive) {
+  EXPECT_EQ(LoadConfig(CONFIG_DIR "/paper.toml").axes[0].drive.acceleration_quantum, 0);
+  std::string text = ReadFile(CONFIG_DIR "/paper.toml");
+  for (const std::string line : {"[axis.drive.accelerometer]", "bandwidth_hz =", "quantum = 0.01"}) {
+    ASSERT_NE(text.find("# " + line), std::string::npos) << line;
+    text.replace(text.find("# " + line), line.size() + 2, line);
+  }
+  const std::string shipped = "estimator = \"filtered-difference\"";
+  text.replace(text.find(shipped), shipped.size(), "estimator = \"accelerometer\"");
+  const std::filesystem::path file = testing::TempDir() + "accelerometer.toml";
+  std::ofstream(file) << text;
+  const AxisConfig axis = LoadConfig(file).axes[0];
+  EXPECT_EQ(axis.loop.estimator, model::EstimatorKind::kAccelerometer);
+  EXPECT_EQ(axis.loop.accelerometer_bandwidth_hz, 200);
+  EXPECT_EQ(axis.drive.accelerometer_bandwidth_hz, 200);
+  EXPECT_EQ(axis.drive.acceleration_quantum, 0.01);
+}
+
+TEST_F(ConfigTest, RefusesAnAccelerometerThatARealDriveDoesNotRead) {
+  std::string text = ReadFile(CONFIG_DIR "/modbus.toml");
+  const std::string own = "estimator = \"filtered-difference\"";
+  const std::size_t at = text.find("[axis.loop]");
+  ASSERT_NE(at, std::string::npos);
+  const std::size_t stands = text.find(own, at);
+  if (stands == std::string::npos) {
+    text.insert(at + 11, "\nestimator = \"accelerometer\"");
+  } else {
+    text.replace(stands, own.size(), "estimator = \"accelerometer\"");
+  }
+  const std::filesystem::path file = testing::TempDir() + "modbus_accelerometer.toml";
+  std::ofstream(file) << text;
+  try {
+    LoadConfig(file);
+    FAIL();
+  } catch (const ConfigError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("a drive of this type reads no accelerometer"));
+  }
 }
 
 TEST_F(ConfigTest, NamesAnUnknownKeyAndTheAllowedOnes) {

@@ -51,11 +51,11 @@ TEST_F(StreamTest, CsvHasUnitsInItsHeadAndExactNumbers) {
   EXPECT_EQ(
       outcome.out,
       "tick,monotonic_ns,position_rad,velocity_rad_per_s,acceleration_rad_per_s2,force_n_m,mass_kg_m2,state,"
-      "saturated,position_counts,force_counts\n"
+      "saturated,position_counts,force_counts,acceleration_counts\n"
       "1000,1000000000,333.33333333333331,-1,2,0.10000000000000001,0.050000000000000003,rendering,0,-1000,"
-      "12\n"
+      "12,-7\n"
       "1001,1001000000,333.66666666666669,-1,2,0.10000000000000001,0.050000000000000003,rendering,1,-1001,"
-      "12\n");
+      "12,-7\n");
 }
 
 TEST_F(StreamTest, SamplesCountExactlyAndGapsAreReported) {

@@ -276,5 +276,6 @@ class FakeServer(
                     saturated=(tick % 2 == 1).tolist(),
                     position_counts=-tick,
                     force_counts=np.full(size, 12),
+                    acceleration_counts=np.full(size, -7),
                 )
             )

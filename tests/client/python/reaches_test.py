@@ -30,6 +30,7 @@ def batch(seconds, virtual_mass, position_quantum=0.0):
         saturated=zero,
         position_counts=zero,
         force_counts=zero,
+        acceleration_counts=zero,
     )
 
 

@@ -114,7 +114,9 @@ TEST_F(AxisGateFilterTest, AsksForLeaseThenNumbersThenState) {
   ExpectRefused(refused, RefusalCode::kInvalidArgument, kInvalidNumber);
   EXPECT_EQ(refused.refusal().metadata.at("field"), "cutoff_hz");
   bad = {.estimator = EstimatorKind::kFilteredAccelerometer, .cutoff_hz = 10};
-  ExpectRefused(gate.SetFilter(lease, bad), RefusalCode::kInvalidArgument, kInvalidNumber);
+  const Result<FilterGrant> unsensed = gate.SetFilter(lease, bad);
+  ExpectRefused(unsensed, RefusalCode::kInvalidArgument, kInvalidNumber);
+  EXPECT_THAT(unsensed.refusal().message, HasSubstr("no accelerometer"));
   bad = {.estimator = static_cast<EstimatorKind>(99), .cutoff_hz = 10};
   EXPECT_EQ(gate.SetFilter(lease, bad).refusal().metadata.at("field"), "estimator");
   ExpectRefused(gate.SetFilter(lease, kKalman), RefusalCode::kFailedPrecondition, kWrongState);

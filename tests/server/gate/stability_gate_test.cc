@@ -293,13 +293,36 @@ TEST(StabilityGate, VouchesForEveryEstimatorWithManyHands) {
   }
 }
 
-TEST(StabilityGate, KnowsAnAccelerometerInASingleLoopOnly) {
+TEST(StabilityGate, ProvesAnAccelerometersRobustIntervalToo) {
   model::LoopParameters loop = PaperLoop();
   loop.estimator = model::EstimatorKind::kAccelerometer;
   loop.accelerometer_bandwidth_hz = 100;
   const StabilityGate gate(loop, {.gain_margin_db = 3});
   EXPECT_NEAR(gate.range().robust.min / loop.device_mass, -0.885, 1e-3);
-  EXPECT_THROW(StabilityGate(loop, ManyHands()), std::invalid_argument);
+  const StabilityGate many(loop, ManyHands());
+  EXPECT_GT(many.range().robust.min, gate.range().robust.min);
+  EXPECT_LT(many.range().robust.max, gate.range().robust.max);
+  EXPECT_EQ(many.range().min_binding->accelerometer_bandwidth_hz, 100);
+  const StabilityReport report = many.Judge(0.9 * many.range().admitted.max, kWide, kLinear);
+  EXPECT_TRUE(report.admitted);
+  EXPECT_GT(report.margins.modulus.value, 0);
+  EXPECT_GT(report.margins.delay.seconds, 0);
+}
+
+TEST(StabilityGate, RefusesAMassThatBuzzesWithTheCountsOfTheAccelerometer) {
+  model::LoopParameters loop = PaperLoop();
+  loop.estimator = model::EstimatorKind::kAccelerometer;
+  loop.accelerometer_bandwidth_hz = 100;
+  ForceNoiseLimit limit{.position_quantum = 1e-6, .max_force_noise = 0.01, .acceleration_quantum = 0.5};
+  const double mass = 0.5 * StabilityGate(loop, {.gain_margin_db = 3}).range().admitted.max;
+  const StabilityReport refused =
+      StabilityGate(loop, {.gain_margin_db = 3, .noise_limit = limit}).Judge(mass, kWide, kLinear);
+  EXPECT_FALSE(refused.admitted);
+  EXPECT_TRUE(refused.noisy);
+  EXPECT_THAT(refused.binding, testing::HasSubstr("accelerometer's counts of 0.5 m/s^2"));
+  limit.acceleration_quantum = 0.01;
+  EXPECT_TRUE(
+      StabilityGate(loop, {.gain_margin_db = 3, .noise_limit = limit}).Judge(mass, kWide, kLinear).admitted);
 }
 
 TEST(StabilityGate, RefusesAnEnvelopeThatIsNone) {

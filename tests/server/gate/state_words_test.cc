@@ -22,16 +22,16 @@ TEST(StateWords, NameEveryStateAsTheApiDoes) {
 TEST(StateWords, SayForEveryFaultWhatToDo) {
   std::set<std::string> messages;
   for (const Fault fault :
-       {Fault::kEmergencyStop, Fault::kDriveSilent, Fault::kNotFinite, Fault::kPositionLimit,
-        Fault::kVelocityLimit, Fault::kOverrun, Fault::kDriveRefused, Fault::kNoDriveWatchdog,
-        Fault::kForeignTraffic, Fault::kDriveError, Fault::kForceSaturation, Fault::kForceSlew,
-        Fault::kEncoderJump, Fault::kEncoderFreeze, Fault::kRepeatedOverrun, Fault::kLoopDelay,
-        Fault::kPositionGaps, Fault::kGrowingOscillation, Fault::kEnergyExcess}) {
+       {Fault::kEmergencyStop,  Fault::kDriveSilent,   Fault::kNotFinite,          Fault::kPositionLimit,
+        Fault::kVelocityLimit,  Fault::kOverrun,       Fault::kDriveRefused,       Fault::kNoDriveWatchdog,
+        Fault::kForeignTraffic, Fault::kDriveError,    Fault::kForceSaturation,    Fault::kForceSlew,
+        Fault::kEncoderJump,    Fault::kEncoderFreeze, Fault::kAccelerometer,      Fault::kRepeatedOverrun,
+        Fault::kLoopDelay,      Fault::kPositionGaps,  Fault::kGrowingOscillation, Fault::kEnergyExcess}) {
     const std::string message = FaultMessage({.fault = fault, .number = 1});
     EXPECT_THAT(message, HasSubstr("then clear the fault."));
     messages.insert(message);
   }
-  EXPECT_EQ(messages.size(), 19U);
+  EXPECT_EQ(messages.size(), 20U);
   EXPECT_EQ(FaultMessage({}), "");
 }
 

@@ -29,10 +29,11 @@ inline LoopConfig TestConfig() {
 
 class Axis {
  public:
-  explicit Axis(const LoopConfig& loop_config = TestConfig())
+  explicit Axis(const LoopConfig& loop_config = TestConfig(),
+                const device::DriveInfo& info = ScriptedDrive().info)
       : config(loop_config),
         period_ns(std::llround(loop_config.period_s * 1e9)),
-        tick_(config, drive, *crossing) {}
+        tick_(config, WithInfo(drive, info), *crossing) {}
 
   /// Posts `settings` as the gate would.
   void Post() {
@@ -98,11 +99,23 @@ class Axis {
   /// One tick of a 2 Hz swing over 0.2 m, from rest: at most 1.3 m/s and 16 m/s^2.
   const exchange::Sample& Swing(uint64_t missed = 0) {
     SetPosition(SwingAt(tick + 1 + missed));
+    if (drive.info.senses_acceleration()) {
+      drive.acceleration_counts = static_cast<int32_t>(
+          std::lround(SensedInSwingAt(tick + 1 + missed) / drive.info.acceleration_quantum));
+    }
     swinging_ = true;
     return Run(missed);
   }
   double SwingAt(uint64_t at_tick) const {
     return 0.1 * (1 - std::cos(4 * std::numbers::pi * static_cast<double>(at_tick) * config.period_s));
+  }
+  /// What an accelerometer tells of it, behind its own lag.
+  double SensedInSwingAt(uint64_t at_tick) const {
+    const double w = 4 * std::numbers::pi;
+    const double sensor_rate = 2 * std::numbers::pi * drive.info.accelerometer_bandwidth_hz;
+    const double angle = w * static_cast<double>(at_tick) * config.period_s;
+    const double lag = w / sensor_rate;
+    return 0.1 * w * w * (std::cos(angle) + lag * std::sin(angle)) / (1 + lag * lag);
   }
   Tick& tick_under_test() { return tick_; }
 
@@ -117,6 +130,11 @@ class Axis {
   int64_t now_ns = 1'000'000'000;
 
  private:
+  static device::Drive& WithInfo(ScriptedDrive& drive, const device::DriveInfo& info) {
+    drive.info = info;
+    return drive;
+  }
+
   bool swinging_ = false;
   Tick tick_;
 };

@@ -139,6 +139,7 @@ TEST(FilterChangeTest, ComesAlsoWhenAStopOrAFaultHasTakenTheMassDown) {
 TEST(FilterChangeTest, ToOneThatCannotRunIsAFaultWhileRenderingAndIgnoredElsewhere) {
   for (const Filter& bad :
        {FilterOf(EstimatorKind::kKalman, 501), FilterOf(static_cast<EstimatorKind>(77), 10),
+        FilterOf(EstimatorKind::kAccelerometer, 10),  // which this drive has not
         FilterOf(EstimatorKind::kButterworth, std::numeric_limits<double>::quiet_NaN())}) {
     Axis axis;
     const Filter configured = FilterOf(EstimatorKind::kFilteredDifference, 10);
@@ -157,7 +158,10 @@ TEST(FilterChangeTest, ToOneThatCannotRunIsAFaultWhileRenderingAndIgnoredElsewhe
 }
 
 TEST(FilterChangeTest, LeavesSamplesFromWhichEverythingFollowsBitForBit) {
-  Axis axis;
+  device::DriveInfo info = ScriptedDrive().info;
+  info.acceleration_quantum = 0.01;
+  info.accelerometer_bandwidth_hz = 120;
+  Axis axis(TestConfig(), info);
   model::AccelerationEstimator estimator(axis.config.period_s, axis.config.cutoff_hz);
   Filter filter = FilterOf(EstimatorKind::kFilteredDifference, 10);
   uint64_t last_answer = 0;
@@ -168,16 +172,20 @@ TEST(FilterChangeTest, LeavesSamplesFromWhichEverythingFollowsBitForBit) {
     }
     if (!sample.position_stale) {
       estimator.Update(static_cast<double>(sample.position_counts) * axis.drive.info.position_quantum,
-                       sample.tick - last_answer);
+                       sample.tick - last_answer, sample.acceleration_counts * info.acceleration_quantum);
       last_answer = sample.tick;
     }
+    ASSERT_EQ(sample.state, State::kRendering);
     ASSERT_EQ(std::bit_cast<uint64_t>(sample.acceleration), std::bit_cast<uint64_t>(estimator.acceleration()))
         << sample.tick;
   };
   axis.Start(0.3, 0.1);
-  for (int i = 0; i < 2000; ++i) {
+  constexpr std::array kKinds{EstimatorKind::kFilteredAccelerometer, EstimatorKind::kLateFilteredDifference,
+                              EstimatorKind::kAccelerometer,         EstimatorKind::kButterworth,
+                              EstimatorKind::kFilteredAccelerometer, EstimatorKind::kKalman};
+  for (int i = 0; i < 3000; ++i) {
     if (i % 500 == 300) {
-      SetFilter(axis, FilterOf(model::kEstimatorKinds.at(static_cast<std::size_t>(i / 500)), 10 + i / 100));
+      SetFilter(axis, FilterOf(kKinds.at(static_cast<std::size_t>(i / 500)), 10 + i / 100));
     }
     axis.drive.answers_reads = i % 50 != 7;
     follow(axis.Swing(i % 40 == 3 ? 2 : 0));

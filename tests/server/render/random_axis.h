@@ -21,10 +21,19 @@ struct AdmittedFilter {
   double max_mass = 0;
 };
 
-inline constexpr std::array<AdmittedFilter, 3> kAdmittedFilters = {
+inline constexpr std::array<AdmittedFilter, 4> kAdmittedFilters = {
     {{{static_cast<uint8_t>(model::EstimatorKind::kFilteredDifference), 10}, -0.5, 3},
      {{static_cast<uint8_t>(model::EstimatorKind::kButterworth), 20}, -0.3, 1},
-     {{static_cast<uint8_t>(model::EstimatorKind::kFilteredDifference), 3}, -0.1, 0.5}}};
+     {{static_cast<uint8_t>(model::EstimatorKind::kFilteredDifference), 3}, -0.1, 0.5},
+     {{static_cast<uint8_t>(model::EstimatorKind::kAccelerometer), 10}, -0.5, 2}}};
+
+/// With an accelerometer that hardly lags.
+inline device::DriveInfo SensingDrive() {
+  device::DriveInfo info = ScriptedDrive().info;
+  info.acceleration_quantum = 0.01;
+  info.accelerometer_bandwidth_hz = 1000;
+  return info;
+}
 
 /// Slow, so that a whole ramp of 0.2 s is 20 ticks, and that of a fault 5; windows of 40 ticks.
 inline LoopConfig SlowConfig() {
@@ -48,7 +57,7 @@ inline LoopConfig SlowConfig() {
 /// Commands as a gate posts them, and what cables, encoders, hosts and hands do.
 class RandomAxis {
  public:
-  explicit RandomAxis(uint64_t seed) : axis(SlowConfig()), random_(seed) {}
+  explicit RandomAxis(uint64_t seed) : axis(SlowConfig(), SensingDrive()), random_(seed) {}
 
   /// The next tick's commands and failures; returns how many ticks are missed before it.
   uint64_t Disturb() {
@@ -64,7 +73,8 @@ class RandomAxis {
   /// All that was broken is repaired.
   void Repair() {
     axis.drive.accepts_enable = axis.drive.answers_reads = axis.drive.takes_writes = true;
-    late_ticks_ = overrun_ticks_ = intermittent_ticks_ = frozen_ticks_ = drift_ticks_ = 0;
+    late_ticks_ = overrun_ticks_ = intermittent_ticks_ = frozen_ticks_ = drift_ticks_ = stuck_ticks_ =
+        rattle_ticks_ = 0;
     offset_ = 0;
   }
 
@@ -144,7 +154,8 @@ class RandomAxis {
                                     : device::DriveTrouble::kNone;
   }
 
-  // A swing of 1 m/s and 10 m/s^2, that now and then drifts or slips out of the limits, jumps, or freezes.
+  // A swing of 1 m/s and 10 m/s^2, that now and then drifts or slips out of the limits, jumps, or freezes;
+  // and an accelerometer that now and then is stuck, or rattles.
   void DisturbMotion() {
     angle_ += 0.1;
     if (Lasts(drift_ticks_, 0.005, 60)) {
@@ -157,6 +168,12 @@ class RandomAxis {
       const double jump = Chance(0.002) ? 1.2 : 0;
       axis.SetPosition(0.1 * std::sin(angle_) + offset_ + jump);
     }
+    if (!Lasts(stuck_ticks_, 0.003, 60)) {
+      axis.drive.acceleration_counts = static_cast<int32_t>(std::lround(-10 * std::sin(angle_) / 0.01));
+    }
+    if (Lasts(rattle_ticks_, 0.005, 30)) {
+      axis.drive.acceleration_counts += rattle_ticks_ % 2 == 0 ? 1000 : -1000;
+    }
   }
 
   std::mt19937_64 random_;
@@ -168,6 +185,8 @@ class RandomAxis {
   uint64_t intermittent_ticks_ = 0;
   uint64_t frozen_ticks_ = 0;
   uint64_t drift_ticks_ = 0;
+  uint64_t stuck_ticks_ = 0;
+  uint64_t rattle_ticks_ = 0;
 };
 
 }  // namespace mwidth::render

@@ -31,7 +31,8 @@ class ScriptedDrive final : public device::Drive {
     return {.ok = answers_reads,
             .position_counts = answers_reads ? position_counts : INT64_MIN,
             .trouble = trouble,
-            .trouble_code = trouble_code};
+            .trouble_code = trouble_code,
+            .acceleration_counts = acceleration_counts};
   }
   bool Write(int32_t force_counts) noexcept override {
     ++writes;
@@ -46,6 +47,7 @@ class ScriptedDrive final : public device::Drive {
   // What the drive does.
   device::DriveInfo info = {.position_quantum = 1e-6, .force_quantum = 1e-3, .simulated = true};
   int64_t position_counts = 0;
+  int32_t acceleration_counts = 0;
   bool answers_reads = true;
   bool takes_writes = true;
   bool accepts_enable = true;

@@ -101,7 +101,7 @@ class History {
   }
 
   std::array<uint64_t, 4> seen_states{};
-  std::array<uint64_t, 18> seen_faults{};
+  std::array<uint64_t, 19> seen_faults{};
   uint64_t full_rampings = 0;
   uint64_t armed_late = 0;
   uint64_t arming_taken_back = 0;
@@ -342,7 +342,7 @@ TEST(SupervisorPropertyTest, HoldsItsPromisesInEveryTickOfManyRandomHistories) {
   for (const uint64_t count : history.seen_states) {
     EXPECT_GT(count, kHistories / 10);
   }
-  for (const uint64_t count : history.seen_faults) {
+  for (const uint64_t& count : history.seen_faults) {
     EXPECT_GT(count, kHistories / 100) << (&count - history.seen_faults.data());
   }
   EXPECT_GT(history.full_rampings, kHistories);

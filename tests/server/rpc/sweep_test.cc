@@ -114,6 +114,7 @@ TEST_F(SweepTest, SweepsEachParameterInARowOfItsOwn) {
           {v1::SWEEP_PARAMETER_PERIOD_S, [](auto& loop, double value) { loop.set_period_s(value); }},
           {v1::SWEEP_PARAMETER_CUTOFF_HZ, [](auto& loop, double value) { loop.set_cutoff_hz(value); }},
           {v1::SWEEP_PARAMETER_DELAY_S, [](auto& loop, double value) { loop.set_delay_s(value); }}};
+  static_assert(v1::SweepParameter_MAX == v1::SWEEP_PARAMETER_ACCELEROMETER_BANDWIDTH_HZ);  // below
   for (const auto& [parameter, set] : parameters) {
     v1::SweepMWidthRequest request;
     Fill(*request.mutable_x(), parameter, 1e-3, 3e-3, 2);
@@ -130,6 +131,20 @@ TEST_F(SweepTest, SweepsEachParameterInARowOfItsOwn) {
   }
 }
 
+TEST_F(SweepTest, SweepsTheBandwidthOfAnAccelerometerAlone) {
+  v1::SweepMWidthRequest request;
+  Fill(*request.mutable_x(), v1::SWEEP_PARAMETER_ACCELEROMETER_BANDWIDTH_HZ, 10, 300, 2);
+  request.mutable_loop()->set_estimator(v1::ESTIMATOR_KIND_ACCELEROMETER);
+  SweepCall call(*stability, request);
+  v1::SweepMWidthResponse row;
+  ASSERT_TRUE(call.Read(row));
+  v1::LoopParameters loop = request.loop();
+  loop.set_accelerometer_bandwidth_hz(300);
+  EXPECT_EQ(row.max(1), Nominal(loop).max());
+  EXPECT_LT(row.max(1), row.max(0));
+  EXPECT_TRUE(call.Finish().ok());
+}
+
 TEST_F(SweepTest, NamesWhatIsWrong) {
   using Request = v1::SweepMWidthRequest;
   const std::vector<std::pair<std::string, std::function<void(Request&)>>> faults = {
@@ -137,6 +152,10 @@ TEST_F(SweepTest, NamesWhatIsWrong) {
       {"x.parameter",
        [](Request& request) { request.mutable_x()->set_parameter(static_cast<v1::SweepParameter>(99)); }},
       {"y.parameter", [](Request& request) { *request.mutable_y() = request.x(); }},
+      {"x.parameter",
+       [](Request& request) {
+         request.mutable_x()->set_parameter(v1::SWEEP_PARAMETER_ACCELEROMETER_BANDWIDTH_HZ);
+       }},
       {"x.count", [](Request& request) { request.mutable_x()->set_count(1); }},
       {"y.count", [](Request& request) { request.mutable_y()->set_count(10'001); }},
       {"x.count times y.count", [](Request& request) { request = Hands(1001, 1000); }},

@@ -28,6 +28,7 @@ TEST_F(TelemetryServiceTest, StreamsEveryColumnOfASample) {
   sample.monotonic_ns = -2;
   sample.position_counts = -3;
   sample.force_counts = -4;
+  sample.acceleration_counts = -5;
   sample.state = exchange::State::kRendering;
   sample.saturated = true;
   sample.position_stale = true;
@@ -56,6 +57,7 @@ TEST_F(TelemetryServiceTest, StreamsEveryColumnOfASample) {
   EXPECT_THAT(batch->position_stale(), ElementsAre(true, false));
   EXPECT_THAT(batch->position_counts(), ElementsAre(-3, 0));
   EXPECT_THAT(batch->force_counts(), ElementsAre(-4, 0));
+  EXPECT_THAT(batch->acceleration_counts(), ElementsAre(-5, 0));
 }
 
 TEST_F(TelemetryServiceTest, SendsTicksThatAreMultiplesOfTheDecimation) {

@@ -29,7 +29,8 @@ class Client:
     mwidth.v1.
 
     The analyses take fields of LoopParameters in place of the axis's own: device_mass, device_damping, hand_mass,
-    hand_damping, hand_stiffness, period_s, cutoff_hz, delay_s, and estimator by its name ("kalman", say).
+    hand_damping, hand_stiffness, period_s, cutoff_hz, delay_s, accelerometer_bandwidth_hz, and estimator by its name
+    ("kalman", say; "accelerometer" and "filtered-accelerometer" need a bandwidth where the axis has no accelerometer).
 
     Args:
         address: "HOST:PORT".

@@ -95,7 +95,8 @@ class Control:
 
         Args:
             cutoff_hz: above 0, at most half the sample rate.
-            estimator: a name such as "kalman", or a value of EstimatorKind; None: the running one.
+            estimator: a name such as "kalman", or a value of EstimatorKind; None: the running one. Those that read
+                an accelerometer are granted where the drive has one.
             validate_only: answer as if, change nothing.
 
         Returns:

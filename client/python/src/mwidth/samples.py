@@ -27,6 +27,7 @@ class SampleBatch:
     saturated: np.ndarray  # bool
     position_counts: np.ndarray  # int64
     force_counts: np.ndarray  # int32
+    acceleration_counts: np.ndarray  # int32, what the accelerometer told; 0 without one
     missed_ticks_before: int = 0
     dropped_ticks_before: int = 0
 
@@ -45,11 +46,14 @@ _DTYPES = {
     "saturated": np.bool_,
     "position_counts": np.int64,
     "force_counts": np.int32,
+    "acceleration_counts": np.int32,
 }
 
 
 def _from_message(batch):
     columns = {name: np.array(getattr(batch, name), dtype=dtype) for name, dtype in _DTYPES.items()}
+    if not batch.acceleration_counts:  # a server from before accelerometers
+        columns["acceleration_counts"] = np.zeros(len(batch.position), dtype=np.int32)
     # A server that left the decimation unset sent every tick.
     step = max(1, batch.decimation)
     tick = np.uint64(batch.first_tick) + np.arange(len(batch.position), dtype=np.uint64) * np.uint64(step)
