@@ -175,7 +175,13 @@ model::Margins StabilityGate::WorstMargins(double mass) const {
     loops.push_back(certificate_->lower.binding);
     loops.push_back(certificate_->upper.binding);
   }
-  return model::WorstMarginsAmong(loops, mass).margins;
+  model::Margins worst = model::WorstMarginsAmong(loops, mass).margins;
+  if (loops.size() > 1 && mass != 0) {
+    // Over the whole envelope, as it is proved: at most 1 % below the loop that binds.
+    const model::RobustEdge& edge = mass < 0 ? certificate_->lower : certificate_->upper;
+    worst.gain = {.value = edge.mass / mass, .critical_hz = edge.binding_edge.critical_hz};
+  }
+  return worst;
 }
 
 std::string StabilityGate::Binding(const StabilityReport& report, model::AxisKind kind) const {
