@@ -90,11 +90,11 @@ class CanopenLink final : public Link {
   std::unique_ptr<CanBus> OpenBus(asio::io_context& context, const CanopenDriveConfig& drive,
                                   const LinkPlace& place, const LinkFaults& faults) {
     TakeFrame take = [this](const can::Frame& frame) { node_.Receive(frame, NowNs()); };
-    if (const auto* own = std::get_if<can::SocketCan>(&drive.bus)) {
-      return std::make_unique<SocketcanBus>(context, own->interface, std::move(take));
+    const std::string interface = std::visit([](const auto& bus) { return bus.interface; }, drive.bus);
+    if (std::holds_alternative<can::SocketCan>(drive.bus) && !place.port) {
+      return std::make_unique<SocketcanBus>(context, interface, std::move(take));
     }
-    return std::make_unique<SocketcandGateway>(context, place.address, place.port,
-                                               std::get<can::Socketcand>(drive.bus).interface,
+    return std::make_unique<SocketcandGateway>(context, place.address, place.port.value_or(0), interface,
                                                std::move(take), faults);
   }
 

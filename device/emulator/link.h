@@ -4,6 +4,7 @@
 #include <boost/asio/io_context.hpp>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -16,10 +17,11 @@ namespace mwidth::device::emulator {
 
 /// This end of the link, where it is not what the configuration says of the other one.
 struct LinkPlace {
-  /// Of a listening socket; port 0: any free one.
+  /// Of a listening socket.
   std::string address = "127.0.0.1";
-  uint16_t port = 0;
-  /// Serial port; empty: the configuration's.
+  /// 0: any free one. For a CANopen drive it asks for a gateway, whichever bus the configuration names.
+  std::optional<uint16_t> port;
+  /// Serial port; empty: the configuration's. It asks for RTU, whichever Modbus the configuration names.
   std::string device;
   /// A pseudo-terminal instead of a serial port.
   bool pty = false;
@@ -44,7 +46,7 @@ class Link {
 };
 
 /// Said where a LinkPlace has a serial port for another link.
-inline constexpr const char* kSerialOnly = "--pty and --device are for drives of type \"modbus-rtu\"";
+inline constexpr const char* kSerialOnly = "--pty and --device are for Modbus drives";
 
 /// Opens the link of a configuration. References outlive it. Throws std::invalid_argument
 /// where `place` is for another link, std::system_error or boost::system::system_error where it cannot be

@@ -50,15 +50,17 @@ CommandLine Parse(CLI::App& app, int argc, char** argv) {
                  "the kind of its link are read from it")
       ->capture_default_str();
   app.add_option("--axis", line.axis, "Which of its axes; default: the first");
-  app.add_option("--address", line.place.address, "modbus-tcp, socketcand: address to listen on")
+  app.add_option("--address", line.place.address, "Modbus TCP, socketcand: address to listen on")
       ->capture_default_str();
-  app.add_option("--port", line.place.port,
-                 "modbus-tcp, socketcand: port to listen on; 0: any free one, which is printed")
-      ->capture_default_str();
-  auto* device = app.add_option("--device", line.place.device,
-                                "modbus-rtu: serial port to answer on; default: the configuration's");
+  app.add_option(
+      "--port", line.place.port,
+      "Modbus TCP, socketcand: port to listen on; 0 (default): any free one, which is printed. A CANopen "
+      "drive is behind a gateway then, whichever bus the configuration names");
+  auto* device =
+      app.add_option("--device", line.place.device,
+                     "Modbus RTU: serial port to answer on, whichever Modbus the configuration names");
   app.add_flag("--pty", line.place.pty,
-               "modbus-rtu: answer on a pseudo-terminal; its other end, for the server, is printed")
+               "Modbus RTU: answer on a pseudo-terminal; its other end, for the server, is printed")
       ->excludes(device);
   app.add_option("--hand-motion", line.hand_motion,
                  "CSV recording that moves the hand; default: reaches of 30 degrees");

@@ -1,4 +1,5 @@
-#include <stdexcept>
+#include <memory>
+#include <string>
 #include <variant>
 
 #include "device/emulator/link.h"
@@ -27,7 +28,7 @@ class TcpLink final : public ModbusLink {
           const LinkFaults& faults)
       : address_(place.address),
         registers_(drive, joint, faults),
-        server_(context, place.address, place.port, drive.link.unit, registers_, faults) {}
+        server_(context, place.address, place.port.value_or(0), drive.link.unit, registers_, faults) {}
 
   std::string Where() const override { return address_ + ":" + std::to_string(server_.port()); }
 
@@ -74,18 +75,16 @@ class PtyLink final : public ModbusLink {
 
 std::unique_ptr<Link> OpenLink(asio::io_context& context, const ModbusDriveConfig& drive,
                                const LinkPlace& place, Joint& joint, const LinkFaults& faults) {
-  const auto* line = std::get_if<SerialLine>(&drive.link.peer);
-  if (line == nullptr && (place.pty || !place.device.empty())) {
-    throw std::invalid_argument(kSerialOnly);
+  const auto* configured = std::get_if<SerialLine>(&drive.link.peer);
+  const SerialLine line = configured != nullptr ? *configured : SerialLine{};
+  if (place.pty) {
+    return std::make_unique<PtyLink>(context, drive, line, joint, faults);
   }
-  if (line == nullptr) {
+  if (configured == nullptr && place.device.empty()) {
     return std::make_unique<TcpLink>(context, drive, place, joint, faults);
   }
-  if (place.pty) {
-    return std::make_unique<PtyLink>(context, drive, *line, joint, faults);
-  }
-  return std::make_unique<SerialLink>(context, drive, *line,
-                                      place.device.empty() ? line->device : place.device, joint, faults);
+  return std::make_unique<SerialLink>(context, drive, line, place.device.empty() ? line.device : place.device,
+                                      joint, faults);
 }
 
 }  // namespace mwidth::device::emulator

@@ -271,8 +271,8 @@ class CommandLineTest(unittest.TestCase):
 
     def test_wrong_usage_is_explained(self):
         for arguments, words in [(["--config", "paper"], "simulated drive already"), (["--axis", "knee"], "knee"),
-                                 (["--watchdog", "-1"], "--watchdog"), (["--pty"], "modbus-rtu"), (["--config", "canopen", "--pty"], "modbus-rtu"),
-                                 (["--device", "/dev/ttyS0"], "modbus-rtu")]:
+                                 (["--watchdog", "-1"], "--watchdog"), (["--config", "canopen", "--pty"], "Modbus"),
+                                 (["--config", "canopen", "--device", "/dev/ttyS0"], "Modbus")]:
             with self.subTest(arguments):
                 result = subprocess.run([BUILD / "bin" / "mwidth-drive", *arguments], capture_output=True, text=True,
                                         timeout=60, stdin=subprocess.DEVNULL)
