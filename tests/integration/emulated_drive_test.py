@@ -10,10 +10,9 @@ import unittest
 
 import canopen_example
 from emulator_process import Emulator
+from mass_rendering import fault_of, render, samples_until, undisturbed_samples
 from modbus_example import write_config, write_rtu_config
-from server_process import BUILD, ServerProcess, grpc, rendering, seconds
-
-from mwidth.v1 import telemetry_pb2 as telemetry
+from server_process import BUILD, ServerProcess, grpc, rendering
 
 SILENT, JUMP = rendering.FAULT_KIND_DRIVE_SILENT, rendering.FAULT_KIND_ENCODER_JUMP
 OUTSIDE, ERROR = rendering.FAULT_KIND_POSITION_LIMIT, rendering.FAULT_KIND_DRIVE_ERROR
@@ -89,49 +88,9 @@ class EmulatedDriveTest(unittest.TestCase):
     def serve(self, drive):
         return ServerProcess("--config", self.link.config(self.folder, drive), "--allow-non-realtime")
 
-    def render(self, server, lease=None):
-        """Renders a mass; tries again where the host was so busy that the drive seemed silent. Returns the lease."""
-        lease = lease or server.acquire(ttl_s=60)
-        deadline = time.monotonic() + 30
-        while True:
-            try:
-                server.start(lease)
-                server.set_mass(lease, 0.05, ramp=seconds(0))
-                return lease
-            except grpc.RpcError:
-                self.assertLess(time.monotonic(), deadline, server.state())
-                time.sleep(0.05)
-            with contextlib.suppress(grpc.RpcError):
-                server.rendering.ClearFault(rendering.ClearFaultRequest(lease_id=lease))
-
-    def samples(self, server, enough):
-        """All samples from now until `enough` says so of those that came."""
-        joined = telemetry.SampleBatch()
-        stream = server.telemetry.StreamSamples(telemetry.StreamSamplesRequest(max_batch=1))
-        deadline = time.monotonic() + 60
-        for response in stream:
-            joined.MergeFrom(response.batch)
-            if enough(joined):
-                stream.cancel()
-                return joined
-            self.assertLess(time.monotonic(), deadline, "it did not come")
-        raise AssertionError("the stream ended")
-
-    def undisturbed_samples(self, server, count):
-        """So many samples in a row while a mass is rendered; from the start again where a busy host made a fault."""
-        lease, faults = server.acquire(ttl_s=60), []
-        for _ in range(10):
-            self.render(server, lease)
-            samples = self.samples(server, lambda joined: len(joined.force) >= count or
-                                   joined.state[-1] == rendering.STATE_FAULT)
-            if samples.state[-1] == rendering.STATE_RENDERING:
-                return samples
-            faults.append(server.state().fault.message)
-        raise AssertionError(f"always ends: {faults}")
-
     def samples_to_the_fault(self, server, act, moving=0.0):
         """Renders, acts once a force flows and the joint moves, and returns all samples until FAULT with zero force."""
-        lease, acted = self.render(server), []
+        lease, acted = render(server), []
 
         def enough(joined):
             faulty = joined.state[-1] == rendering.STATE_FAULT
@@ -139,10 +98,10 @@ class EmulatedDriveTest(unittest.TestCase):
                 acted.append(act())
             return faulty and joined.force_counts[-1] == 0
 
-        samples = self.samples(server, enough)
+        samples = samples_until(server, enough)
         while not acted:
-            self.render(server, lease)
-            samples = self.samples(server, enough)
+            render(server, lease)
+            samples = samples_until(server, enough)
         return samples
 
     @staticmethod
@@ -162,7 +121,7 @@ class EmulatedDriveTest(unittest.TestCase):
     @on_every_link
     def test_a_mass_is_rendered(self):
         server = self.stack.enter_context(self.serve(self.start_drive()))
-        samples = self.undisturbed_samples(server, 150)
+        samples = undisturbed_samples(server, 150)
         self.assertGreater(max(samples.position) - min(samples.position), 0.2)
         self.assertGreater(max(abs(force) for force in samples.force), 0.02)
         for acceleration, mass, force in zip(samples.acceleration, samples.mass, samples.force):
@@ -190,8 +149,8 @@ class EmulatedDriveTest(unittest.TestCase):
     def test_a_killed_server_leaves_the_drive_to_its_watchdog(self):
         drive = self.start_drive()
         server = self.serve(drive)
-        self.render(server)
-        self.samples(server, lambda joined: any(joined.force_counts))
+        render(server)
+        samples_until(server, lambda joined: any(joined.force_counts))
         self.assertRegex(drive.say("state"), "^enabled")
         server.kill()
         # The drive's own clock: it lets go on the time-out, however late this process looks.
@@ -202,14 +161,11 @@ class EmulatedDriveTest(unittest.TestCase):
     def test_a_drive_that_comes_back_can_be_used_again(self):
         drive = self.start_drive()
         server = self.stack.enter_context(self.serve(drive))
-        lease = self.render(server)
+        lease = render(server)
         drive.say("silence")
-        deadline = time.monotonic() + 30
-        while server.state().state != rendering.STATE_FAULT:
-            self.assertLess(time.monotonic(), deadline)
-            time.sleep(0.01)
+        fault_of(server)
         drive.say("well")
-        self.render(server, lease)
+        render(server, lease)
         self.assertEqual(server.state().state, rendering.STATE_RENDERING)
 
     @on_every_link
@@ -248,20 +204,16 @@ class CanopenDriveTest(unittest.TestCase):
                 drive = stack.enter_context(Canopen.start(self.folder))
                 config = canopen_example.write_config(self.folder, drive.port, ('"disable-voltage"\n', f'"{reaction}"\n'))
                 server = ServerProcess("--config", config, "--allow-non-realtime")
-                server.start(server.acquire())
+                render(server)
                 server.kill()
                 self.assertIn("100 ms", drive.line())
                 self.assertEqual(drive.say("state"), "disabled, force 0 counts, watchdog fired 1 times")
 
     def test_an_error_of_the_drive_is_told_with_its_number(self):
         server = self.serve()
-        server.start(server.acquire())
+        render(server)
         self.drive.say("emcy 2310")
-        deadline = time.monotonic() + 30
-        while server.state().state != rendering.STATE_FAULT:
-            self.assertLess(time.monotonic(), deadline)
-            time.sleep(0.01)
-        self.assertEqual(server.state().fault.value, 0x2310)
+        self.assertEqual(fault_of(server).value, 0x2310)
 
 
 class CommandLineTest(unittest.TestCase):

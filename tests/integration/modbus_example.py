@@ -10,7 +10,8 @@ _SLOW = [("period_s = 0.002", "period_s = 0.01"), ("cutoff_hz = 20.0", "cutoff_h
          ("max_missed_ticks = 5", "max_missed_ticks = 16")]
 # One exchange a tick, with all of the tick's time: the kernel carries what is written to a pseudo-terminal over to its
 # other end when it has nothing better to do.
-_PATIENT = [('exchange = "two-requests"', 'exchange = "read-write"'), ("reply_deadline_s = 0.0045", "reply_deadline_s = 0.009")]
+_PATIENT = [('exchange = "two-requests"', 'exchange = "read-write"'),
+            ("reply_deadline_s = 0.0045", "reply_deadline_s = 0.009")]
 
 
 def _write(folder, name, replacements):
