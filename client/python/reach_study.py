@@ -84,7 +84,9 @@ def record(client, mass, period_s, count):
     with client.stream() as stream:
         for batch in stream:
             if not np.all(batch.state == rendering_pb2.STATE_RENDERING):
-                raise StudyError("the server stopped rendering")
+                fault = client.axis().fault
+                raise StudyError(f"the server stopped rendering: {fault.message}" if fault.message else
+                                 "the server stopped rendering")
             if not np.all(batch.mass == mass):
                 continue
             if (batch.missed_ticks_before + batch.dropped_ticks_before) * period_s > analysis.MAX_GAP_S:

@@ -17,9 +17,11 @@ import mwidth  # noqa: E402
 from mwidth import reaches  # noqa: E402
 
 CONFIG = pathlib.Path(__file__).resolve().parents[2] / "deploy" / "config"
-TARGET_RAD = np.radians(30)  # of the hand that both the emulated and the simulated drive are moved by
+# The hand that moves an emulated drive by default, and the simulated one here: a reach, a rest, and back.
+TARGET_RAD = np.radians(30)
+HAND_MOTION = f"[axis.drive.hand_motion]\namplitude = {float(TARGET_RAD)!r}\nduration_s = 0.6\nhold_s = 0.9\n"
 MASSES = (0.1042, -0.12)  # kg m^2; the joint has 0.2084
-LENGTH_S = 6.0  # of the samples under one mass: a whole reach at least, whenever they begin
+LENGTH_S = 5.0  # of the samples under one mass: a whole reach at least, whenever they begin
 
 # Waits for what a program prints or writes, in the machine's time.
 PRELUDE = """
@@ -79,7 +81,7 @@ def simulation(configuration, delay_s):
     lines = [f"delay_s = {delay_s!r}" if line.startswith("delay_s") else line for line in loop.splitlines()]
     quanta = [line.split("=")[1] for line in drive.splitlines() if line.startswith("scale")]
     return "\n".join([*lines, '[axis.drive]', 'type = "simulated"', f"position_quantum = {quanta[0]}",
-                      "force_quantum = 0.001", "[axis.drive.hand_motion]", f"amplitude = {float(TARGET_RAD)!r}", ""])
+                      "force_quantum = 0.001", HAND_MOTION])
 
 
 def read_csv(path):
