@@ -12,9 +12,8 @@ import unittest
 import can
 from canopen_example import write_config
 from emulator_process import Emulator
-from server_process import BUILD, ServerProcess, grpc, rendering, seconds
-
-from mwidth.v1 import telemetry_pb2 as telemetry
+from mass_rendering import fault_of, render, undisturbed_samples
+from server_process import BUILD, ServerProcess, grpc, rendering
 
 HERE = pathlib.Path(__file__).resolve().parent
 # mwidth-drive's own drive is node 1 of the same bus.
@@ -73,23 +72,9 @@ class PythonCanTest(unittest.TestCase):
     def server(self, drive, *replacements):
         return self.stack.enter_context(ServerProcess("--config", drive.config(*replacements), "--allow-non-realtime"))
 
-    def render(self, server):
-        lease = server.acquire(ttl_s=60)
-        server.start(lease)
-        server.set_mass(lease, 0.05, ramp=seconds(0))
-        return lease
-
-    def wait_for_state(self, server, state):
-        deadline = time.monotonic() + 30
-        while server.state().state != state:
-            self.assertLess(time.monotonic(), deadline, server.state())
-            time.sleep(0.01)
-        return server.state()
-
-    def clear_and_start(self, server, lease):
+    def assert_renders_again(self, server, lease):
         server.rendering.ClearFault(rendering.ClearFaultRequest(lease_id=lease))
-        self.wait_for_state(server, rendering.STATE_IDLE)
-        server.start(lease)
+        render(server, lease)
         self.assertEqual(server.state().state, rendering.STATE_RENDERING)
 
     def assert_not_armed(self, server, kind, words):
@@ -102,69 +87,52 @@ class PythonCanTest(unittest.TestCase):
         self.assertEqual(server.state().fault.kind, kind)
         return lease
 
-    def samples(self, server, count):
-        stream = server.telemetry.StreamSamples(telemetry.StreamSamplesRequest())
-        joined = telemetry.SampleBatch()
-        for response in stream:
-            joined.MergeFrom(response.batch)
-            if len(joined.position) >= count:
-                stream.cancel()
-                return joined
-        raise AssertionError("the stream ended")
-
     def test_forces_follow_positions_on_either_exchange(self):
         for exchange in ('"on-receipt"', '"on-sync"'):
             with self.subTest(exchange), contextlib.ExitStack() as self.stack:
                 drive = self.drive()
                 server = self.server(drive, ('exchange = "on-receipt"', f"exchange = {exchange}"))
-                self.render(server)
+                samples = undisturbed_samples(server, 300)
                 drive.expect("ready", "switched on", "enabled")
-                samples = self.samples(server, 300)
                 self.assertGreater(max(samples.position) - min(samples.position), 0.2)
                 self.assertGreater(max(abs(force) for force in samples.force), 0.05)
                 for acceleration, mass, force in zip(samples.acceleration, samples.mass, samples.force):
                     self.assertAlmostEqual(force, mass * acceleration, delta=0.0063)
-                self.assertEqual(server.state().state, rendering.STATE_RENDERING)
 
     def test_stopping_lets_go_of_the_motor(self):
         drive = self.drive()
         with ServerProcess("--config", drive.config(), "--allow-non-realtime") as server:
-            self.render(server)
+            render(server)
         drive.expect("ready", "switched on", "enabled", "disabled")
 
     def test_a_server_that_dies_leaves_the_drive_to_its_watchdog(self):
         drive = self.drive()
         server = ServerProcess("--config", drive.config(), "--allow-non-realtime")
-        self.render(server)
+        render(server)
         server.kill()
         drive.expect("ready", "switched on", "enabled", "fault")
 
     def test_an_emergency_is_a_fault_with_its_code_that_the_next_start_resets(self):
         drive = self.drive()
         server = self.server(drive)
-        lease = self.render(server)
+        lease = render(server)
         drive.report(0x2310)
-        state = self.wait_for_state(server, rendering.STATE_FAULT)
-        self.assertEqual(state.fault.kind, rendering.FAULT_KIND_DRIVE_ERROR)
-        self.assertEqual(state.fault.value, 0x2310)
-        self.assertRegex(state.fault.message, "code 2310h")
-        self.clear_and_start(server, lease)
+        fault = fault_of(server)
+        self.assertEqual(fault.kind, rendering.FAULT_KIND_DRIVE_ERROR)
+        self.assertEqual(fault.value, 0x2310)
+        self.assertRegex(fault.message, "code 2310h")
+        self.assert_renders_again(server, lease)
         drive.expect("ready", "switched on", "enabled", "fault", "disabled", "ready", "switched on", "enabled")
 
     def test_a_drive_that_hangs_is_a_latched_fault_and_comes_back(self):
         drive = self.drive()
         server = self.server(drive)
-        lease = self.render(server)
+        lease = render(server)
         drive.process.send_signal(signal.SIGSTOP)
-        state = self.wait_for_state(server, rendering.STATE_FAULT)
-        self.assertEqual(state.fault.kind, rendering.FAULT_KIND_DRIVE_SILENT)
+        self.assertEqual(fault_of(server).kind, rendering.FAULT_KIND_DRIVE_SILENT)
         drive.process.send_signal(signal.SIGCONT)
-        position = server.state().position
-        deadline = time.monotonic() + 30
-        while server.state().position == position:  # It is set up anew, and answers.
-            self.assertLess(time.monotonic(), deadline)
-            time.sleep(0.01)
-        self.clear_and_start(server, lease)
+        # It is set up anew, and asked until it answers.
+        self.assert_renders_again(server, lease)
 
     def test_another_master_keeps_the_drive_from_being_armed_and_ends_what_is_rendered(self):
         drive = self.drive()
@@ -175,11 +143,11 @@ class PythonCanTest(unittest.TestCase):
             time.sleep(0.1)
             lease = self.assert_not_armed(server, rendering.FAULT_KIND_FOREIGN_TRAFFIC, "Disconnect the other master")
             time.sleep(2)  # So long it is remembered.
-            self.clear_and_start(server, lease)
+            self.assert_renders_again(server, lease)
             other.send(sync)
-            state = self.wait_for_state(server, rendering.STATE_FAULT)
-            self.assertEqual(state.fault.kind, rendering.FAULT_KIND_FOREIGN_TRAFFIC)
-            self.assertEqual(state.fault.value, 0x80)
+            fault = fault_of(server)
+            self.assertEqual(fault.kind, rendering.FAULT_KIND_FOREIGN_TRAFFIC)
+            self.assertEqual(fault.value, 0x80)
 
     def test_without_a_reaction_to_silence_it_is_not_armed(self):
         drive = self.drive("6007=")
