@@ -46,7 +46,8 @@ struct RobustCertificate {
 /// held stiffly comes near half the sample rate in a wide envelope.
 ///
 /// Precondition: Validate(envelope) is empty. Depends on nothing but its argument. Typically some
-/// milliseconds, at most about a second: not for the loop's thread. Any thread.
+/// milliseconds, at most about a second, with an accelerometer up to about three: not for the loop's thread.
+/// Any thread.
 RobustCertificate CertifyRobustInterval(const LoopEnvelope& envelope);
 
 /// Which parameters hold an edge of `certificate` where it is, for a person: "hand_damping at its least
