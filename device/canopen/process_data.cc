@@ -94,10 +94,12 @@ bool ProcessData::Ask(int64_t deadline_ns) noexcept {
   }
   // What came so far was asked for by an earlier tick.
   watch_.counters.late_positions += std::exchange(answered_, false) ? 1 : 0;
-  if (unanswered_ > 0 && ++listening_ticks_ <= kListeningTicks) {
+  if (unanswered_ > 0) {
+    if (++listening_ticks_ == kListeningTicks) {
+      unanswered_ = listening_ticks_ = 0;  // It is lost: the next tick asks anew.
+    }
     return true;
   }
-  unanswered_ = 0;
   listening_ticks_ = 0;
   Sync();
   return AwaitAnswers(deadline_ns);
