@@ -21,8 +21,8 @@ class DriveProbeTest(unittest.TestCase):
         self.stack = contextlib.ExitStack()
         self.addCleanup(self.stack.close)
 
-    def answer(self, port, code):
-        result = probe("--json", "drive", "probe", "--config", "modbus", "--drive", f"127.0.0.1:{port}")
+    def answer(self, port, code, config="modbus"):
+        result = probe("--json", "drive", "probe", "--config", config, "--drive", f"127.0.0.1:{port}")
         self.assertEqual(result.returncode, code, result.stderr)
         answer = json.loads(result.stdout)
         self.assertEqual(answer["ready"], code == 0)
@@ -37,6 +37,14 @@ class DriveProbeTest(unittest.TestCase):
         self.assertRegex(found["watchdog"]["seen"], "^after 0.03 s, with a reaction")
         text = probe("drive", "probe", "--config", "modbus", "--drive", f"127.0.0.1:{drive.port}").stdout
         self.assertIn("It can be armed.", text)
+
+    def test_a_drive_on_canopen_tells_its_state_position_torque_and_watchdog(self):
+        drive = self.stack.enter_context(Emulator("--config", "canopen", "--port", "0"))
+        found = self.answer(drive.port, 0, "canopen")
+        self.assertEqual(found["state"]["seen"], "switch on disabled")
+        self.assertRegex(found["position"]["seen"], r"^-?[0-9.e-]+ rad \(-?\d+ in 6064h\)$")
+        self.assertEqual(found["rated torque"]["seen"], "0.25 N m (250 in 6076h)")
+        self.assertRegex(found["watchdog"]["seen"], "1016h.*6007h")
 
     def test_a_drive_that_others_wrote_is_read_as_well(self):
         drive = self.stack.enter_context(PymodbusDrive())
