@@ -4,8 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
+#include <cstdlib>
 #include <memory>
+#include <random>
 #include <utility>
 #include <vector>
 
@@ -331,6 +334,36 @@ TEST_F(CanopenNodeTest, IgnoresRemoteFramesAndOtherNodes) {
   node.Receive({.identifier = 0x185, .remote = true, .size = 8}, now);
   EXPECT_THAT(Sent(), IsEmpty());
   EXPECT_THAT(Say(0x606, {0x40, 0, 0x10, 0, 0, 0, 0, 0}), IsEmpty());
+}
+
+TEST_F(CanopenNodeTest, SurvivesAnyFramesAndGivesNoTorqueThatItMayNot) {
+  std::mt19937 random(11);
+  constexpr std::array<uint16_t, 8> kHeard{0x000, 0x080, 0x205, 0x605, 0x605, 0x605, 0x77F, 0x705};
+  constexpr std::array<uint16_t, 12> kObjects{0x1016, 0x1017, 0x1400, 0x1600, 0x1800, 0x1A00,
+                                              0x6007, 0x6040, 0x6060, 0x6071, 0x6072, 0x60C2};
+  Configure(255, 1);
+  for (int i = 0; i < 200'000; ++i) {
+    Frame frame{.identifier = kHeard.at(random() % kHeard.size()),
+                .size = static_cast<uint8_t>(random() % 9)};
+    for (std::size_t n = 0; n < frame.size; ++n) {
+      frame.bytes.at(n) = static_cast<uint8_t>(random() % 4 == 0 ? random() : random() % 16);
+    }
+    if (frame.identifier == 0x605 && frame.size == 8) {
+      // A write of an object that exists, more often than not.
+      const uint16_t index = kObjects.at(random() % kObjects.size());
+      frame.bytes[0] = static_cast<uint8_t>(0x22 | (random() % 16) << 2);
+      frame.bytes[1] = static_cast<uint8_t>(index & 0xFF);
+      frame.bytes[2] = static_cast<uint8_t>(index >> 8);
+      frame.bytes[3] = static_cast<uint8_t>(random() % 4);
+    }
+    node.Receive(frame, now += kMs / 4);
+    for (const Frame& answer : Sent()) {
+      EXPECT_LE(answer.identifier, can::kMaxIdentifier);
+      EXPECT_LE(answer.size, can::kMaxFrameBytes);
+    }
+    EXPECT_LE(std::abs(joint.force_counts()), INT16_MAX);
+    EXPECT_TRUE(joint.enabled() || joint.force_counts() == 0);
+  }
 }
 
 TEST(CanopenNodeWithoutAWatchdog, HasNoObjectForOne) {
