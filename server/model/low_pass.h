@@ -17,8 +17,8 @@ namespace mwidth::model {
 /// No filter: what an accelerometer tells, as it is.
 class DirectSignal {
  public:
-  double Update(double acceleration) noexcept { return acceleration; }
-  void Settle(double) noexcept {}
+  static double Update(double acceleration) noexcept { return acceleration; }
+  static void Settle(double) noexcept {}
 };
 
 /// The paper's H(z) = (1 - a) z / (z - a), a = e^(-w0 T) (eq. 4):
