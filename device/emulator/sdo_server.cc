@@ -1,5 +1,6 @@
 #include "device/emulator/sdo_server.h"
 
+#include <algorithm>
 #include <cstddef>
 
 namespace mwidth::device::emulator {
@@ -12,6 +13,8 @@ constexpr std::size_t kDataPlace = 4;
 constexpr std::size_t kMostData = 4;
 // Command specifiers, in bits 5 to 7 of the first byte.
 constexpr uint8_t kSpecifier = 0xE0;
+// Index and subindex, behind the command.
+constexpr std::size_t kMultiplexorBytes = 3;
 constexpr uint8_t kDownload = 0x20;
 constexpr uint8_t kUpload = 0x40;
 constexpr uint8_t kAbort = 0x80;
@@ -22,9 +25,10 @@ constexpr uint8_t kSized = 0x01;
 
 // The answer to `request` that begins with `command` and carries `data`.
 Bytes Reply(uint8_t command, std::span<const uint8_t> request, std::span<const uint8_t> data) {
-  Bytes reply{command, request[1], request[2], request[3]};
-  reply.insert(reply.end(), data.begin(), data.end());
-  reply.resize(kSdoBytes);
+  Bytes reply(kSdoBytes);
+  reply[0] = command;
+  std::copy_n(request.begin() + 1, kMultiplexorBytes, reply.begin() + 1);
+  std::copy_n(data.begin(), std::min(data.size(), kMostData), reply.begin() + 1 + kMultiplexorBytes);
   return reply;
 }
 
