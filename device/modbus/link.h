@@ -61,10 +61,10 @@ class Link {
   bool connected() const noexcept { return connected_; }
 
   /// Sends the request and waits for its reply, at most until `deadline_ns` of CLOCK_MONOTONIC and the few
-  /// microseconds of the last system call. What had come before is passed over; so is what comes meanwhile and
-  /// belongs to another request or unit. `values` takes the registers. An RTU frame bears no number: after an
-  /// exchange that failed, the next one sends nothing and only lets the line fall silent, or a late reply
-  /// would pass for the new one. Rt.
+  /// microseconds of the last system call. What had come before is passed over; so is what comes meanwhile
+  /// and belongs to another request or unit. `values` takes the registers. An RTU frame bears no number:
+  /// after an exchange that failed, the next one sends nothing and only lets the line fall silent, or a late
+  /// reply would pass for the new one. Rt.
   Outcome Exchange(const Request& request, std::span<uint16_t> values, int64_t deadline_ns) noexcept;
 
   const LinkCounters& counters() const noexcept { return counters_; }

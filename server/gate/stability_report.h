@@ -54,8 +54,9 @@ struct StabilityReport {
   /// Frequency at which the loop that binds oscillates at its edge on this mass's side; 0 where the robust
   /// interval is empty.
   double critical_hz = 0;
-  /// Gain: what every assumed loop keeps, proved: the robust edge over the mass. The others: the least of each among
-  /// the nominal loop and the two that bind the robust interval, which is no proof for the loops between.
+  /// Gain: what every assumed loop keeps, proved: the robust edge over the mass. The others: the least of
+  /// each among the nominal loop and the two that bind the robust interval, which is no proof for the loops
+  /// between.
   model::Margins margins;
   /// Standard deviation of the force that the encoder's counts cause; none where the mass is unstable, or
   /// where the axis does not limit it.
