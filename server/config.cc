@@ -5,6 +5,7 @@
 #include <set>
 #include <sstream>
 
+#include "device/can/bus.h"
 #include "server/config_hand_monitor.h"
 #include "server/config_limits.h"
 #include "server/config_table.h"
@@ -178,10 +179,17 @@ Config LoadConfig(const std::filesystem::path& file) {
   server.Finish();
 
   std::set<std::string> names;
+  std::set<std::string> buses;
   for (ConfigTable& axis : root.Tables("axis")) {
     config.axes.push_back(ReadAxis(axis, file.parent_path()));
     if (!names.insert(config.axes.back().name).second) {
       axis.Refuse("name", "stands twice: \"" + config.axes.back().name + "\"; names must differ");
+    }
+    const auto* canopen = std::get_if<device::canopen::CanopenDriveConfig>(&config.axes.back().drive.behind);
+    if (canopen != nullptr && !buses.insert(device::can::NameOf(canopen->bus)).second) {
+      axis.Refuse(
+          "drive",
+          "is on a CAN bus that an axis before it has: each sends SYNC, so each needs a bus of its own");
     }
   }
   root.Finish();

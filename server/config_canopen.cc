@@ -58,11 +58,11 @@ double ReadMilliseconds(ConfigTable& table, std::string_view key, Range allowed,
 
 void ReadHeartbeats(ConfigTable& drive, double period_s, canopen::CanopenDriveConfig& read) {
   read.watchdog_s = ReadMilliseconds(drive, "watchdog_s", {2 * kMillisecond, canopen::kMaxWatchdogS}, 0.05);
-  // Two of ours fit into the drive's patience, so that one may be late.
-  const double longest_s = std::max(period_s, read.watchdog_s / 2);
+  // Two of ours fit into the drive's patience, so that one may be late. They go out with ticks.
+  const double longest_s = std::max(period_s, read.watchdog_s / 2 - period_s);
   read.heartbeat_s = drive.NumberOr("heartbeat_s", {period_s, longest_s}, std::min(0.02, longest_s));
-  if (2 * read.heartbeat_s > read.watchdog_s) {
-    drive.Refuse("watchdog_s", "is too short for this loop: it must hold two of axis.loop.period_s");
+  if (2 * (read.heartbeat_s + period_s) > read.watchdog_s + 1e-9) {
+    drive.Refuse("watchdog_s", "is too short for this loop: it must hold four of axis.loop.period_s");
   }
   read.drive_heartbeat_s = ReadMilliseconds(drive, "drive_heartbeat_s", {5 * kMillisecond, 1}, 0.05);
   const std::string loss = drive.OneOfOr(

@@ -109,6 +109,7 @@ Reading CanopenDrive::Read(uint64_t /*tick*/) noexcept {
     return {};
   }
   const bool joined = data_.Exchange();
+  WatchRelease();
   const int64_t raw = data_.watch().feedback().position;
   Reading reading =
       WithTrouble({.ok = data_.answered(), .position_counts = config_.position_scale < 0 ? -raw : raw});
@@ -117,6 +118,22 @@ Reading CanopenDrive::Read(uint64_t /*tick*/) noexcept {
     HandOver();
   }
   return reading;
+}
+
+// A frame can be lost, and a drive can be deaf to it while it still hears SYNC. What makes it let go then is
+// its own watchdog, which our heartbeat would keep quiet.
+void CanopenDrive::WatchRelease() noexcept {
+  if (enabled_ || arming_.under_way()) {
+    data_.SendHeartbeats(true);
+    return;
+  }
+  if (data_.answered()) {
+    released_ = MakesNoForce(StateOf(data_.watch().feedback().statusword));
+  }
+  data_.SendHeartbeats(released_);
+  if (!released_) {
+    data_.Command(kDisableVoltage, 0);
+  }
 }
 
 bool CanopenDrive::Write(int32_t force_counts) noexcept {
@@ -158,10 +175,11 @@ Enabling CanopenDrive::Enable() noexcept {
 
 void CanopenDrive::Disable() noexcept {
   enabled_ = false;
-  arming_.Reset();
   if (!HasLink()) {
     return;
   }
+  released_ = false;
+  arming_.Reset();
   data_.Command(kDisableVoltage, 0);
   // A synchronous RPDO would wait for a SYNC that may never come.
   if (config_.exchange == TickExchange::kOnSync) {

@@ -56,6 +56,9 @@ class CanopenDrive final : public Drive {
   /// Leaves the drive to the thread that sets it up anew.
   void HandOver() noexcept;
   Reading WithTrouble(Reading reading) const noexcept;
+  /// Whether the drive has let go of the motor since it was told to; says it again, without our heartbeat,
+  /// until it has.
+  void WatchRelease() noexcept;
   /// Not Rt.
   void Connect();
   void KeepConnected(const std::stop_token& stop);
@@ -69,6 +72,8 @@ class CanopenDrive final : public Drive {
   Arming arming_{config_};
   bool enabled_ = false;
   int64_t enabled_ns_ = 0;
+  // The drive has said that it makes no force, since it was last told to make none.
+  bool released_ = false;
 
   std::atomic<bool> lost_{false};
   std::mutex mutex_;

@@ -32,6 +32,23 @@ DriveState StateOf(uint16_t statusword) noexcept {
   }
 }
 
+bool MakesNoForce(DriveState state) noexcept {
+  switch (state) {
+    case DriveState::kNotReadyToSwitchOn:
+    case DriveState::kSwitchOnDisabled:
+    case DriveState::kReadyToSwitchOn:
+    case DriveState::kSwitchedOn:
+    case DriveState::kFault:
+      return true;
+    case DriveState::kOperationEnabled:
+    case DriveState::kQuickStopActive:
+    case DriveState::kFaultReactionActive:
+    case DriveState::kUnknown:
+      break;
+  }
+  return false;
+}
+
 const char* NameOf(DriveState state) noexcept {
   switch (state) {
     case DriveState::kNotReadyToSwitchOn:

@@ -24,6 +24,9 @@ DriveState StateOf(uint16_t statusword) noexcept;
 /// "switch on disabled".
 const char* NameOf(DriveState state) noexcept;
 
+/// The motor is let go of: nothing drives or brakes it. Rt.
+bool MakesNoForce(DriveState state) noexcept;
+
 /// Values of 6040h. A force acts only with kEnableOperation; kDisableVoltage lets go of the motor, from any
 /// state.
 inline constexpr uint16_t kDisableVoltage = 0x00;

@@ -1,5 +1,8 @@
 #include "device/canopen/node_watch.h"
 
+#include <algorithm>
+#include <array>
+
 #include "device/canopen/little_endian.h"
 
 namespace mwidth::device::canopen {
@@ -27,8 +30,12 @@ bool NodeWatch::IsForeign(const can::Frame& frame) const noexcept {
   if (frame.identifier == kNmt) {
     return frame.size == 2 && (frame.bytes[1] == node_ || frame.bytes[1] == kAllNodes);
   }
-  return frame.identifier == kSync || frame.identifier == kRpdo1 + node_ ||
-         frame.identifier == kSdoRequest + node_ || frame.identifier == kHeartbeat + own_node_;
+  if (frame.identifier == kSync || frame.identifier == kHeartbeat + own_node_) {
+    return true;
+  }
+  constexpr std::array kToTheDrive{kRpdo1, kRpdo2, kRpdo3, kRpdo4, kSdoRequest};
+  return std::any_of(kToTheDrive.begin(), kToTheDrive.end(),
+                     [&](uint16_t base) { return frame.identifier == base + node_; });
 }
 
 Heard NodeWatch::Malformed() noexcept {

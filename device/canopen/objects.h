@@ -12,6 +12,9 @@ inline constexpr uint16_t kSync = 0x080;
 inline constexpr uint16_t kEmergency = 0x080;
 inline constexpr uint16_t kTpdo1 = 0x180;
 inline constexpr uint16_t kRpdo1 = 0x200;
+inline constexpr uint16_t kRpdo2 = 0x300;
+inline constexpr uint16_t kRpdo3 = 0x400;
+inline constexpr uint16_t kRpdo4 = 0x500;
 inline constexpr uint16_t kSdoReply = 0x580;
 inline constexpr uint16_t kSdoRequest = 0x600;
 inline constexpr uint16_t kHeartbeat = 0x700;
@@ -48,6 +51,9 @@ inline constexpr Object kDeviceType{0x1000, 0, 4};
 inline constexpr Object kConsumerHeartbeat{0x1016, 1, 4};
 inline constexpr Object kProducerHeartbeat{0x1017, 0, 2};
 inline constexpr Object kRpdo1Identifier{0x1400, 1, 4};
+inline constexpr Object kRpdo2Identifier{0x1401, 1, 4};
+inline constexpr Object kRpdo3Identifier{0x1402, 1, 4};
+inline constexpr Object kRpdo4Identifier{0x1403, 1, 4};
 inline constexpr Object kRpdo1Type{0x1400, 2, 1};
 inline constexpr Object kRpdo1Count{0x1600, 0, 1};
 inline constexpr Object kTpdo1Identifier{0x1800, 1, 4};
@@ -73,6 +79,8 @@ inline constexpr Object kRatedTorque{0x6076, 0, 4};
 inline constexpr Object kTorque{0x6077, 0, 2};
 /// Bit n - 1 is set where the drive knows mode n.
 inline constexpr Object kSupportedModes{0x6502, 0, 4};
+/// Added to every target torque.
+inline constexpr Object kTorqueOffset{0x60B2, 0, 2};
 inline constexpr Object kInterpolationPeriod{0x60C2, 1, 1};
 /// The power of ten, in seconds, that the period counts.
 inline constexpr Object kInterpolationExponent{0x60C2, 2, 1};

@@ -24,11 +24,12 @@ void ProcessData::Begin() noexcept {
   silent_ticks_ = 0;
   unanswered_ = 0;
   listening_ticks_ = 0;
+  sends_heartbeats_ = true;
   next_heartbeat_ns_ = 0;
 }
 
 void ProcessData::Heartbeat(int64_t now_ns) noexcept {
-  if (now_ns >= next_heartbeat_ns_) {
+  if (sends_heartbeats_ && now_ns >= next_heartbeat_ns_) {
     bus_.Send(HeartbeatFrame(config_.own_node, NmtState::kOperational));
     next_heartbeat_ns_ = now_ns + Nanoseconds(config_.heartbeat_s);
   }

@@ -29,6 +29,8 @@ class ProcessData {
   /// Exchanges without an answer, up to the last one.
   uint64_t silent_ticks() const noexcept { return silent_ticks_; }
 
+  /// Whether our heartbeats go out, from the next exchange on; they do at first.
+  void SendHeartbeats(bool send) noexcept { sends_heartbeats_ = send; }
   /// False where it was not taken.
   bool Command(uint16_t controlword, int32_t torque_per_mille) noexcept;
   void Sync() noexcept;
@@ -58,6 +60,7 @@ class ProcessData {
   // SYNCs without an answer, and how many ticks have waited for them.
   int unanswered_ = 0;
   int listening_ticks_ = 0;
+  bool sends_heartbeats_ = true;
   int64_t next_heartbeat_ns_ = 0;
 };
 

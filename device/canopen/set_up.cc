@@ -7,6 +7,7 @@
 #include <span>
 #include <sstream>
 #include <string>
+#include <utility>
 
 #include "device/canopen/cia402.h"
 #include "device/canopen/frames.h"
@@ -84,6 +85,12 @@ class SettingUp {
         std::array{kControlword, kTargetTorque});
     Map(kTpdo1Identifier, kTpdo1, kTpdo1Type, kOnEverySync, kTpdo1Count,
         std::array{kStatusword, kPosition, kTorque});
+    // By the profile's defaults these bear the controlword too, for whoever sends them.
+    const std::array others{std::pair{kRpdo2Identifier, kRpdo2}, std::pair{kRpdo3Identifier, kRpdo3},
+                            std::pair{kRpdo4Identifier, kRpdo4}};
+    for (const auto& [identifier, base] : others) {
+      PutIfTaken(identifier, kPdoInvalid | (base + config_.node));
+    }
   }
 
   // A PDO does not exist while it changes (CiA 301, 7.5.2.36).
@@ -121,7 +128,21 @@ class SettingUp {
       Fail(text.str());
     }
     Put(kMaxTorque, config_.max_torque_per_mille);
+    ClearTorqueOffset();
     Put(kQuickStopOption, Bits(config_.quick_stop_option));
+  }
+
+  // Left over from whoever had the drive before, it would be a force that nobody commands.
+  void ClearTorqueOffset() {
+    uint32_t offset = 0;
+    try {
+      offset = sdo_.Upload(kTorqueOffset);
+    } catch (const SdoAborted&) {
+      return;  // It has none.
+    }
+    if (offset != 0) {
+      Put(kTorqueOffset, 0);
+    }
   }
 
   void SetTimes() {

@@ -82,8 +82,7 @@ void CanopenNode::Receive(const can::Frame& frame, int64_t now_ns) {
   if (frame.identifier == kNmt && frame.size == 2 && (frame.bytes[1] == 0 || frame.bytes[1] == node_)) {
     ObeyNmt(frame.bytes[0], now_ns);
   } else if ((frame.identifier & ~kNodeBits) == kHeartbeat && frame.size == 1) {
-    if (watch_) {
-      watch_->Hear(static_cast<uint8_t>(frame.identifier & kNodeBits), now_ns);
+    if (watch_ && watch_->Hear(static_cast<uint8_t>(frame.identifier & kNodeBits), now_ns)) {
       // It is back, until it is missed again.
       master_lost_ = false;
     }

@@ -24,11 +24,13 @@ double HeartbeatWatch::patience_s() const {
   return static_cast<double>(PatienceMs(objects_.Get(kConsumer))) / 1e3;
 }
 
-void HeartbeatWatch::Hear(uint8_t node, int64_t now_ns) {
+bool HeartbeatWatch::Hear(uint8_t node, int64_t now_ns) {
   const int64_t consumer = objects_.Get(kConsumer);
-  if (node != 0 && node == NodeOf(consumer) && PatienceMs(consumer) != 0) {
+  const bool watched = node != 0 && node == NodeOf(consumer) && PatienceMs(consumer) != 0;
+  if (watched) {
     heard_ns_ = now_ns;
   }
+  return watched;
 }
 
 std::optional<int64_t> HeartbeatWatch::Missed(int64_t now_ns) {

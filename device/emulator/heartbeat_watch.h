@@ -14,7 +14,8 @@ class HeartbeatWatch {
   /// Adds its object to `objects`, which outlives it.
   explicit HeartbeatWatch(ObjectDictionary& objects);
 
-  void Hear(uint8_t node, int64_t now_ns);
+  /// True where it is the node that is watched.
+  bool Hear(uint8_t node, int64_t now_ns);
   /// When the heartbeat was missed, where that is not later than `now_ns`; once.
   std::optional<int64_t> Missed(int64_t now_ns);
   /// Waits for a first heartbeat again.

@@ -10,7 +10,8 @@ import sessions
 import virtual_machine
 from session_test import PROGRAMS
 
-# What fails, while a force acts: a shell command, and the faults that may be told.
+# What fails, while a force acts: a shell command, and the faults that may be told. A drive that lives says afterwards
+# whether its motor is off.
 FAULTS = {
     "silence": ("echo silence >&3", {"FAULT_KIND_DRIVE_SILENT"}),
     "emcy": ("echo emcy 4310 >&3", {"FAULT_KIND_DRIVE_ERROR"}),
@@ -38,6 +39,10 @@ sleep 0.5
 {act}
 wait $stream || fail "no samples"
 mwidth state --json >{name}.json || fail "no state"
+if kill -0 $drive 2>/dev/null; then
+  echo state >&3
+  await 'disabled, force 0 counts' {name}-drive.log
+fi
 kill $server; wait $server
 kill $drive 2>/dev/null; wait $drive $setting
 exec 3>&-; rm /tmp/commands
@@ -45,6 +50,8 @@ exec 3>&-; rm /tmp/commands
 
 KILLED_SERVER = """
 sleep 0.5
+echo state >&3
+await '^enabled, force' killed-server-drive.log
 kill -9 $server
 await watchdog: killed-server-drive.log
 echo state >&3
@@ -87,7 +94,6 @@ class FaultTest(unittest.TestCase):
                     rows = list(csv.DictReader(file))
                 fault = next(i for i, row in enumerate(rows) if row["state"] == "fault")
                 self.assertTrue(any(float(row["force_n_m"]) for row in rows[:fault]), "a force acted before")
-                # The last good position was at most four ticks before.
                 self.assertFalse(any(float(row["force_n_m"]) for row in rows[fault + 1:]))
 
     def test_a_killed_server_leaves_the_drive_without_force(self):

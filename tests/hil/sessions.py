@@ -76,7 +76,7 @@ class Link:
 
 
 def simulation(configuration, delay_s):
-    """The same axis with a simulated drive, its quanta, and a delay."""
+    """The same axis with a simulated drive, the same encoder, a motor of fine steps, and a delay."""
     loop, drive = configuration.split("[axis.drive]\n", 1)
     lines = [f"delay_s = {delay_s!r}" if line.startswith("delay_s") else line for line in loop.splitlines()]
     quanta = [line.split("=")[1] for line in drive.splitlines() if line.startswith("scale")]

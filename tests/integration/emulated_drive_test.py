@@ -118,6 +118,16 @@ class EmulatedDriveTest(unittest.TestCase):
         self.assertTrue(any(list(samples.force_counts)[:first + 1]), "there was a force")
         self.assertFalse(any(list(samples.force_counts)[first + 4:]))
 
+    def await_let_go(self, drive):
+        """Until the drive itself says that its motor is off: told so, or by its watchdog where it does not obey."""
+        deadline = time.monotonic() + 20
+        line = drive.say("state")
+        while not line.startswith("disabled, force 0 counts"):
+            self.assertLess(time.monotonic(), deadline, line)
+            time.sleep(0.02)
+            # The watchdog's own line may come between.
+            line = drive.line() if line.startswith("watchdog") else drive.say("state")
+
     @on_every_link
     def test_a_mass_is_rendered(self):
         server = self.stack.enter_context(self.serve(self.start_drive()))
@@ -136,6 +146,7 @@ class EmulatedDriveTest(unittest.TestCase):
                 samples = self.samples_to_the_fault(server, lambda: self.assertEqual(drive.say(command), "ok"))
                 self.assertIn(server.state().fault.kind, kinds)
                 self.check_force_ends_by_the_fifth_tick(samples, self.first_wrong_tick(samples))
+                self.await_let_go(drive)
 
     @on_every_link
     def test_an_encoder_that_freezes_in_motion_is_told(self):
@@ -144,6 +155,7 @@ class EmulatedDriveTest(unittest.TestCase):
         samples = self.samples_to_the_fault(server, lambda: self.assertEqual(drive.say("freeze"), "ok"), moving=0.4)
         self.assertEqual(server.state().fault.kind, rendering.FAULT_KIND_ENCODER_FREEZE)
         self.check_force_ends_by_the_fifth_tick(samples, list(samples.state).index(rendering.STATE_FAULT))
+        self.await_let_go(drive)
 
     @on_every_link
     def test_a_killed_server_leaves_the_drive_to_its_watchdog(self):

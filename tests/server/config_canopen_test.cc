@@ -105,7 +105,7 @@ TEST_F(CanopenConfigTest, RefusesTimesThatDoNotFitTogether) {
               HasSubstr("axis.drive.watchdog_s is 0.125"));
   EXPECT_THAT(ErrorAfter("watchdog_s = 0.05", "watchdog_s = 0.0505"),
               HasSubstr("whole number of milliseconds"));
-  EXPECT_THAT(ErrorAfter("heartbeat_s = 0.02", "heartbeat_s = 0.03"), HasSubstr("from 0.001 to 0.025"));
+  EXPECT_THAT(ErrorAfter("heartbeat_s = 0.02", "heartbeat_s = 0.03"), HasSubstr("from 0.001 to 0.024"));
   EXPECT_THAT(ErrorAfter("reply_deadline_s = 0.0004", "reply_deadline_s = 0.001"),
               HasSubstr("axis.drive.reply_deadline_s is 0.001"));
   EXPECT_THAT(ErrorAfter("exchange = \"on-receipt\"", "exchange = \"on-sync\""),
@@ -119,6 +119,17 @@ TEST_F(CanopenConfigTest, RefusesQuantitiesThatTheDriveCannotGive) {
   EXPECT_THAT(ErrorAfter("max_per_mille = 1000", "max_per_mille = 32768"),
               HasSubstr("max_per_mille is 32768"));
   EXPECT_THAT(ErrorAfter("rated = 0.25", "rated = 0"), HasSubstr("axis.drive.torque.rated is 0"));
+}
+
+TEST_F(CanopenConfigTest, RefusesASecondAxisOnTheSameBus) {
+  std::stringstream text;
+  text << std::ifstream(CONFIG_DIR "/canopen.toml").rdbuf();
+  const std::string one = text.str();
+  std::string second = one.substr(one.find("[[axis]]"));
+  second.replace(second.find("elbow"), 5, "wrist");
+  EXPECT_THAT(ErrorAfter("[[axis]]", second + "\n[[axis]]"), HasSubstr("each needs a bus of its own"));
+  second.replace(second.find("\"can0\""), 6, "\"can1\"");
+  EXPECT_THAT(ErrorAfter("[[axis]]", second + "\n[[axis]]"), testing::Not(HasSubstr("bus of its own")));
 }
 
 }  // namespace

@@ -237,10 +237,38 @@ TEST_F(CanopenDriveTest, TellsOfAnEmergencyAndOfADriveThatStopsFollowing) {
   }
 }
 
+TEST_F(CanopenDriveTest, SaysItAgainUntilTheDriveLetsGo) {
+  MakeArmed();
+  ASSERT_TRUE(drive->Write(100));
+  node->obeys = false;
+  drive->Disable();
+  Read();
+  const int heartbeats = node->heartbeats_heard;
+  for (int i = 0; i < 100; ++i) {
+    Read();
+  }
+  EXPECT_EQ(node->Torque(), -100);
+  EXPECT_EQ(node->heartbeats_heard, heartbeats) << "they would keep its watchdog quiet";
+  node->obeys = true;
+  Read();
+  EXPECT_EQ(node->Torque(), 0);
+  for (int i = 0; i < 100; ++i) {
+    Read();
+  }
+  EXPECT_GT(node->heartbeats_heard, heartbeats);
+  node->commands.clear();
+  Read();
+  EXPECT_TRUE(node->commands.empty()) << "it has let go";
+  EXPECT_EQ(Arm(), Enabling::kEnabled);
+}
+
 TEST_F(CanopenDriveTest, ForeignFramesRefuseArmingAndAreTroubleWhileEnabled) {
   for (const can::Frame& foreign :
        {SyncFrame(), CommandFrame(kNode, {.controlword = 0x0F, .torque_per_mille = 100}),
         HeartbeatFrame(kOwnNode, NmtState::kOperational), NmtFrame(NmtCommand::kStop, 0),
+        can::Frame{.identifier = kRpdo2 + kNode, .size = 3},
+        can::Frame{.identifier = kRpdo3 + kNode, .size = 6},
+        can::Frame{.identifier = kRpdo4 + kNode, .size = 6},
         can::Frame{.identifier = kSdoRequest + kNode, .size = 8}}) {
     node = std::make_shared<FakeNode>();
     drive.reset();

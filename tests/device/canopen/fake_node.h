@@ -92,6 +92,9 @@ class FakeNode {
       HearSync();
     } else if (frame.identifier == kRpdo1 + kNode) {
       commands.push_back(frame);
+      if (!obeys) {
+        return;
+      }
       if (Get(kRpdo1Type) == kEventDriven) {
         Obey(frame);
       } else {
@@ -111,6 +114,8 @@ class FakeNode {
   bool sends_heartbeats = true;
   bool fault_can_be_reset = true;
   bool boots = true;
+  /// False: it hears SYNC, and no RPDO.
+  bool obeys = true;
   int64_t answer_delay_ns = 100'000;
   uint8_t feedback_bytes = 8;
   /// Answers an SDO request in place of the drive.

@@ -91,6 +91,18 @@ TEST_F(SetUpTest, APdoDoesNotExistWhileItChanges) {
   EXPECT_TRUE(exists);
 }
 
+TEST_F(SetUpTest, LeavesNoOtherWayToTheMotorOpen) {
+  for (const Object& object : {kRpdo2Identifier, kRpdo3Identifier, kRpdo4Identifier}) {
+    node->Set(object, 0x300 + kNode);
+  }
+  node->Set(kTorqueOffset, 25);
+  Run();
+  for (const Object& object : {kRpdo2Identifier, kRpdo3Identifier, kRpdo4Identifier}) {
+    EXPECT_NE(node->Get(object) & kPdoInvalid, 0U);
+  }
+  EXPECT_EQ(node->Get(kTorqueOffset), 0U);
+}
+
 TEST_F(SetUpTest, LeavesItToArmingWhereTheDriveKnowsNoWatchdog) {
   node->Remove(kConnectionLossOption);
   node->Refuse(kConsumerHeartbeat, 0x0601'0002);
