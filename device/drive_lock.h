@@ -16,7 +16,7 @@ namespace mwidth::device {
 class DriveLock {
  public:
   /// `identity` names the physical drive, the same from every server: link and address, such as
-  /// "modbus:/dev/ttyUSB0:3"; 1 to kLongestIdentity bytes. Throws std::invalid_argument for another one, and
+  /// "modbus:/dev/ttyUSB0"; 1 to kLongestIdentity bytes. Throws std::invalid_argument for another one, and
   /// std::runtime_error, with what to do, where the drive is held already.
   explicit DriveLock(const std::string& identity);
   DriveLock(const DriveLock&) = delete;

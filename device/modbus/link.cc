@@ -1,14 +1,18 @@
 #include "device/modbus/link.h"
 
+#include <fcntl.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <sys/select.h>
 #include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <ctime>
+#include <filesystem>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 namespace mwidth::device::modbus {
@@ -29,6 +33,18 @@ modbus_t* NewContext(const LinkConfig& config) {
   return modbus_new_rtu(line.device.c_str(), line.baud, line.parity, kDataBits, line.stop_bits);
 }
 
+// libmodbus waits with select, which would write beyond its set of descriptors.
+bool FitsSelect(int file) noexcept { return file < FD_SETSIZE; }
+
+// The lowest descriptor that is free: the next file's, unless another thread takes it. Below 0 where none is.
+int NextFile() noexcept {
+  const int file = open("/dev/null", O_RDONLY | O_CLOEXEC);
+  if (file >= 0) {
+    close(file);
+  }
+  return file;
+}
+
 // What there is to do about a connection that cannot be had.
 const char* Remedy(bool tcp) {
   return tcp ? "check that the drive is on, its address, and that nobody else is connected to it"
@@ -44,7 +60,15 @@ std::string NameOf(const LinkConfig& config) {
          " unit " + std::to_string(config.unit);
 }
 
-std::string LockNameOf(const LinkConfig& config) { return "modbus:" + NameOf(config); }
+std::string LockNameOf(const LinkConfig& config) {
+  const auto* line = std::get_if<SerialLine>(&config.peer);
+  if (line == nullptr) {
+    return "modbus:" + NameOf(config);
+  }
+  std::error_code unknown;
+  const std::filesystem::path device = std::filesystem::canonical(line->device, unknown);
+  return "modbus:" + (unknown ? line->device : device.string());
+}
 
 Link::Link(LinkConfig config) : config_(std::move(config)) {}
 
@@ -67,14 +91,18 @@ void Link::Connect() {
   modbus_set_response_timeout(context_.get(), 1, 0);
   modbus_set_byte_timeout(context_.get(), 0, 0);
   modbus_set_error_recovery(context_.get(), MODBUS_ERROR_RECOVERY_NONE);
+  constexpr const char* kTooManyFiles = "the process has too many files open";
+  // Before as well: modbus_connect itself waits with select.
+  if (!FitsSelect(NextFile())) {
+    fail(kTooManyFiles);
+  }
   if (modbus_connect(context_.get()) < 0) {
     fail(modbus_strerror(errno));
   }
   connected_ = true;
   const int file = modbus_get_socket(context_.get());
-  // libmodbus waits with select, which would write beyond its set of descriptors.
-  if (file >= FD_SETSIZE) {
-    fail("the process has too many files open");
+  if (!FitsSelect(file)) {
+    fail(kTooManyFiles);
   }
   if (IsTcp()) {
     const int on = 1;

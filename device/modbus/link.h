@@ -39,7 +39,8 @@ struct LinkCounters {
 
 /// "127.0.0.1:502 unit 1" or "/dev/ttyUSB0 unit 1".
 std::string NameOf(const LinkConfig& config);
-/// What a DriveLock on the drive at this link is called.
+/// What a DriveLock on the drive at this link is called. A serial line is one server's, whatever unit and by
+/// whatever link of the file system: the answers to two would mix.
 std::string LockNameOf(const LinkConfig& config);
 
 /// libmodbus, held to a deadline. It brings connection, framing and RTU's checksum; requests, and the

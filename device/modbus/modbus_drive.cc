@@ -12,11 +12,16 @@ namespace {
 // What a drive may take for each answer before it is armed: there is no force yet that could be late.
 constexpr double kArmingPatienceS = 0.005;
 
-int64_t DeadlineNs(double in_s) noexcept {
+// Long enough for every watchdog that a drive is armed with to fire.
+constexpr int64_t kSilenceNs = static_cast<int64_t>(1.5 * kMaxWatchdogS * 1e9);
+
+int64_t MonotonicNs() noexcept {
   timespec now{};
   clock_gettime(CLOCK_MONOTONIC, &now);
-  return now.tv_sec * 1'000'000'000L + now.tv_nsec + static_cast<int64_t>(in_s * 1e9);
+  return now.tv_sec * 1'000'000'000L + now.tv_nsec;
 }
+
+int64_t DeadlineNs(double in_s) noexcept { return MonotonicNs() + static_cast<int64_t>(in_s * 1e9); }
 
 // Whole numbers are counts already.
 double Quantum(const RegisterValue& value, double of_a_float) noexcept {
@@ -52,8 +57,10 @@ Enabling EnablingOf(Outcome outcome) noexcept {
 
 }  // namespace
 
-ModbusDrive::ModbusDrive(const ModbusDriveConfig& config)
-    : lock_(LockNameOf(config.link)), config_(config), info_(InfoOf(config)), link_(config.link) {
+ModbusDrive::ModbusDrive(const ModbusDriveConfig& config) : ModbusDrive(config, MonotonicNs) {}
+
+ModbusDrive::ModbusDrive(const ModbusDriveConfig& config, Now now)
+    : lock_(LockNameOf(config.link)), config_(config), info_(InfoOf(config)), now_(now), link_(config.link) {
   link_.Connect();
   TakeForceAway();
   connecting_ = std::jthread([this](const std::stop_token& stop) { KeepConnected(stop); });
@@ -141,13 +148,18 @@ Enabling ModbusDrive::Arm() noexcept {
 }
 
 Enabling ModbusDrive::Enable() noexcept {
+  // A lost connection is the other thread's; a force that may be there is for Read() to take away first.
+  if (!HasLink() || MayHoldForce()) {
+    return Enabling::kSilent;
+  }
+  force_away_ = false;
   arming_ = true;
   const Enabling enabling = Arm();
   arming_ = false;
   enabled_ = enabling == Enabling::kEnabled;
   force_counts_ = 0;
   if (!enabled_) {
-    PutEnabled(false);
+    Disable();
   }
   return enabling;
 }
@@ -155,9 +167,15 @@ Enabling ModbusDrive::Enable() noexcept {
 void ModbusDrive::Disable() noexcept {
   enabled_ = false;
   force_counts_ = 0;
-  // Both, whatever becomes of the first: either one takes the force away.
-  PutForce(0);
-  PutEnabled(false);
+  // Either one takes the force away. Where an exchange on a serial line failed before, the first is not even
+  // sent (link.h), and both may stay unanswered: Read() sees to that.
+  if (PutForce(0) == Outcome::kAnswered) {
+    force_away_ = true;
+  }
+  if (config_.map.enable && PutEnabled(false) == Outcome::kAnswered) {
+    force_away_ = true;
+  }
+  silent_until_ns_ = now_() + kSilenceNs;
 }
 
 Reading ModbusDrive::PositionOf(std::span<const uint16_t> words) const noexcept {
@@ -172,6 +190,13 @@ Reading ModbusDrive::PositionOf(std::span<const uint16_t> words) const noexcept 
 }
 
 Reading ModbusDrive::Read(uint64_t /*tick*/) noexcept {
+  if (HasLink() && MayHoldForce()) {
+    // Any request, even to read, would keep the drive's watchdog from taking the force away.
+    if (now_() >= silent_until_ns_) {
+      Disable();
+    }
+    return {};
+  }
   const RegisterValue& position = config_.map.position;
   Words words{};
   Outcome outcome = Outcome::kSilent;
@@ -192,7 +217,8 @@ bool ModbusDrive::Write(int32_t force_counts) noexcept {
     force_counts_ = force_counts;
     return enabled_ && answered_;
   }
-  return PutForce(force_counts) == Outcome::kAnswered;
+  // Not to a drive that was connected anew and that nobody has armed since.
+  return enabled_ && PutForce(force_counts) == Outcome::kAnswered;
 }
 
 void ModbusDrive::TakeForceAway() {
@@ -211,6 +237,7 @@ void ModbusDrive::TakeForceAway() {
     put(enable->address, std::array<uint16_t, 1>{enable->disabled});
   }
   put(config_.map.force.address, std::span(zero).first(config_.map.force.Registers()));
+  force_away_ = true;
 }
 
 void ModbusDrive::KeepConnected(const std::stop_token& stop) {

@@ -17,6 +17,9 @@
 
 namespace mwidth::device::modbus {
 
+/// CLOCK_MONOTONIC, or a test's time, ns. Rt.
+using Now = int64_t (*)() noexcept;
+
 /// The loop's thread exchanges with the drive; a connection that is lost is made again by a thread of its
 /// own, which also takes the force away before it hands the drive back. All Rt but the constructor, the
 /// destructor and what says so.
@@ -25,16 +28,25 @@ class ModbusDrive final : public Drive {
   /// Connects and takes the force away. Throws std::runtime_error, with what to do, where the drive does not
   /// answer.
   explicit ModbusDrive(const ModbusDriveConfig& config);
+  /// The same, with its silences (see Read) counted at this time: for tests. Replies have CLOCK_MONOTONIC.
+  ModbusDrive(const ModbusDriveConfig& config, Now now);
   ModbusDrive(const ModbusDrive&) = delete;
   ModbusDrive& operator=(const ModbusDrive&) = delete;
   /// Takes the force away, as far as the drive still answers.
   ~ModbusDrive() override;
 
   DriveInfo Info() const noexcept override;
-  /// Reads the watchdog back, writes a force of zero, then the enable register: up to four exchanges.
+  /// Reads the watchdog back, writes a force of zero, then the enable register: up to four exchanges, and
+  /// Disable() behind one that failed. kSilent, and nothing is sent, while the drive may hold a force (see
+  /// Read).
   Enabling Enable() noexcept override;
+  /// Writes a force of zero and the disabling word, whether enabled or not: two exchanges.
   void Disable() noexcept override;
+  /// Where the drive has acknowledged neither a force of zero nor the disabling word since it was last
+  /// enabled, or since that failed, it may hold a force: then nothing is sent for 1.5 kMaxWatchdogS, so that
+  /// its own watchdog fires, then Disable() once more; no reading is ok until one is acknowledged.
   Reading Read(uint64_t tick) noexcept override;
+  /// False, and nothing is sent, while not enabled.
   bool Write(int32_t force_counts) noexcept override;
 
   /// What came and was not used. The loop's thread.
@@ -44,6 +56,8 @@ class ModbusDrive final : public Drive {
   using Words = std::array<uint16_t, kMaxValueRegisters>;
 
   bool HasLink() const noexcept { return !lost_.load(std::memory_order_acquire); }
+  /// A force may act that nobody commands. Only where there is a link.
+  bool MayHoldForce() const noexcept { return !enabled_ && !force_away_; }
   /// One request of the tick; hands a lost connection to the thread that makes it anew.
   Outcome Ask(const Request& request, std::span<uint16_t> words) noexcept;
   Outcome Put(uint16_t address, std::span<const uint16_t> words) noexcept;
@@ -60,12 +74,17 @@ class ModbusDrive final : public Drive {
   const DriveLock lock_;
   const ModbusDriveConfig config_;
   const DriveInfo info_;
+  const Now now_;
   // Used by the loop's thread while lost_ is false, by the connecting thread while it is true.
   Link link_;
   bool enabled_ = false;
   bool arming_ = false;
   bool answered_ = false;
+  // The drive has acknowledged, since it was last to be enabled, what takes the force away.
+  bool force_away_ = false;
   int32_t force_counts_ = 0;
+  // The loop's thread alone.
+  int64_t silent_until_ns_ = 0;
 
   std::atomic<bool> lost_{false};
   std::mutex mutex_;

@@ -4,9 +4,19 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <poll.h>
+#include <sys/resource.h>
+#include <sys/select.h>
+#include <unistd.h>
+
+#include <algorithm>
 #include <ctime>
+#include <filesystem>
 #include <memory>
 #include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "tests/device/modbus/scripted_peer.h"
 
@@ -167,6 +177,55 @@ TEST(Link, ThatCannotBeHadSaysWhatToDo) {
     EXPECT_THAT(error.what(), HasSubstr("127.0.0.1:" + std::to_string(port)));
     EXPECT_THAT(error.what(), HasSubstr("check that the drive is on"));
   }
+}
+
+// libmodbus would write beyond the set of its select, or be ended by the C library, before it was connected.
+TEST(Link, BeyondTheDescriptorsOfSelectDoesNotEvenConnect) {
+  rlimit limit{};
+  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &limit), 0);
+  const rlimit before = limit;
+  limit.rlim_cur = std::min<rlim_t>(limit.rlim_max, 2 * FD_SETSIZE);
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &limit), 0);
+  const Listener listener;
+  Link link({.peer = TcpAddress{.host = "127.0.0.1", .port = listener.port()}});
+  std::vector<int> files;
+  do {
+    files.push_back(dup(listener.file()));
+  } while (files.back() >= 0 && files.back() < FD_SETSIZE);
+  const bool full = files.back() >= FD_SETSIZE;
+  std::string refusal;
+  try {
+    link.Connect();
+  } catch (const std::runtime_error& error) {
+    refusal = error.what();
+  }
+  std::for_each(files.begin(), files.end(), close);
+  setrlimit(RLIMIT_NOFILE, &before);
+  ASSERT_TRUE(full) << "the host allows too few open files";
+  EXPECT_THAT(refusal, HasSubstr("too many files open"));
+  pollfd waiting{.fd = listener.file(), .events = POLLIN, .revents = 0};
+  EXPECT_EQ(poll(&waiting, 1, 0), 0);
+}
+
+TEST(LinkLock, IsOfTheUnitOnTcp) {
+  const TcpAddress address{.host = "10.0.0.7", .port = 502};
+  EXPECT_EQ(LockNameOf({.peer = address, .unit = 1}), "modbus:10.0.0.7:502 unit 1");
+  EXPECT_EQ(LockNameOf({.peer = address, .unit = 2}), "modbus:10.0.0.7:502 unit 2");
+}
+
+TEST(LinkLock, IsOfTheWholeSerialLine) {
+  const SerialLine line{.device = "/dev/ttyNOTHERE"};
+  EXPECT_EQ(LockNameOf({.peer = line, .unit = 1}), "modbus:/dev/ttyNOTHERE");
+  EXPECT_EQ(LockNameOf({.peer = line, .unit = 2}), "modbus:/dev/ttyNOTHERE");
+}
+
+TEST(LinkLock, IsTheSameByEveryNameOfTheSerialLine) {
+  const std::filesystem::path name =
+      std::filesystem::path(::testing::TempDir()) / ("tty" + std::to_string(getpid()));
+  std::filesystem::create_symlink("/dev/null", name);
+  const std::string lock = LockNameOf({.peer = SerialLine{.device = name}});
+  std::filesystem::remove(name);
+  EXPECT_EQ(lock, "modbus:/dev/null");
 }
 
 /// Modbus RTU over a pseudo-terminal.

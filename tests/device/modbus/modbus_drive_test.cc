@@ -25,6 +25,12 @@ constexpr uint16_t kEnable = 300;
 constexpr uint16_t kTimeout = 400;
 constexpr uint16_t kReaction = 401;
 
+// The time of the drive's silences, which stands still unless a test moves it.
+std::atomic<int64_t> now_ns{0};
+int64_t TestNow() noexcept { return now_ns; }
+// 1.5 times the slowest watchdog that a drive is armed with.
+constexpr int64_t kSilenceNs = 150'000'000;
+
 class ModbusDriveTest : public ::testing::Test {
  protected:
   ModbusDriveTest() {
@@ -65,6 +71,16 @@ class ModbusDriveTest : public ::testing::Test {
                             .reaction = kReaction,
                             .no_reaction = 0}},
             .reply_deadline_s = 0.3};
+  }
+  // For as long as the drive's watchdog may take, reads say nothing and send nothing; then they may again.
+  void ExpectSilence(ModbusDrive& drive) {
+    const int before = registers.requests();
+    EXPECT_FALSE(drive.Read(1).ok);
+    now_ns += kSilenceNs - 1;
+    EXPECT_FALSE(drive.Read(2).ok);
+    EXPECT_EQ(drive.Enable(), Enabling::kSilent);
+    EXPECT_EQ(registers.requests(), before);
+    now_ns += 1;
   }
 
   Listener listener;
@@ -170,13 +186,78 @@ TEST_F(ModbusDriveTest, ARegisterThatIsNotThereIsTold) {
 TEST_F(ModbusDriveTest, ASilentDriveIsSilentInReadAndWrite) {
   ModbusDriveConfig config = Config();
   config.reply_deadline_s = 0.05;
-  ModbusDrive drive(config);
+  ModbusDrive drive(config, TestNow);
+  ASSERT_EQ(drive.Enable(), Enabling::kEnabled);
   registers.FallSilent(true);
   EXPECT_FALSE(drive.Read(1).ok);
   EXPECT_FALSE(drive.Write(1));
   EXPECT_EQ(drive.Enable(), Enabling::kSilent);
   registers.FallSilent(false);
-  EXPECT_TRUE(drive.Read(2).ok);
+  now_ns += kSilenceNs;
+  EXPECT_FALSE(drive.Read(2).ok);
+  EXPECT_TRUE(drive.Read(3).ok);
+}
+
+TEST_F(ModbusDriveTest, LeavesADriveThatDidNotDisableToItsWatchdogAndTriesAgain) {
+  ModbusDrive drive(Config(), TestNow);
+  ASSERT_EQ(drive.Enable(), Enabling::kEnabled);
+  ASSERT_TRUE(drive.Write(100));
+  registers.RefuseWrites({kForce, kEnable});
+  drive.Disable();
+  ExpectSilence(drive);
+  // Tried again, in vain.
+  const int before = registers.requests();
+  EXPECT_FALSE(drive.Read(3).ok);
+  EXPECT_EQ(registers.requests() - before, 2);
+  ExpectSilence(drive);
+  registers.RefuseWrites({});
+  EXPECT_EQ(static_cast<int16_t>(registers.Get(kForce)), -100);
+  EXPECT_FALSE(drive.Read(4).ok);
+  EXPECT_EQ(registers.Get(kForce), 0);
+  EXPECT_EQ(registers.Get(kEnable), 0);
+  EXPECT_TRUE(drive.Read(5).ok);
+  EXPECT_EQ(drive.Enable(), Enabling::kEnabled);
+}
+
+TEST_F(ModbusDriveTest, IsDisabledByEitherOfTheTwoWrites) {
+  ModbusDrive drive(Config(), TestNow);
+  for (const uint16_t refused : {kForce, kEnable}) {
+    ASSERT_EQ(drive.Enable(), Enabling::kEnabled);
+    registers.RefuseWrites({refused});
+    drive.Disable();
+    EXPECT_TRUE(drive.Read(1).ok);
+    registers.RefuseWrites({});
+  }
+}
+
+TEST_F(ModbusDriveTest, WithoutAnEnableRegisterOnlyAForceOfZeroDisables) {
+  ModbusDriveConfig config = Config();
+  config.map.enable.reset();
+  ModbusDrive drive(config, TestNow);
+  ASSERT_EQ(drive.Enable(), Enabling::kEnabled);
+  registers.RefuseWrites({kForce});
+  drive.Disable();
+  ExpectSilence(drive);
+  registers.RefuseWrites({});
+  EXPECT_FALSE(drive.Read(3).ok);
+  EXPECT_TRUE(drive.Read(4).ok);
+}
+
+TEST_F(ModbusDriveTest, AnEnablingThatFailedIsTakenBackLikeAnyOther) {
+  ModbusDrive drive(Config(), TestNow);
+  EXPECT_TRUE(drive.Read(1).ok);
+  registers.RefuseWrites({kForce, kEnable});
+  EXPECT_EQ(drive.Enable(), Enabling::kRefused);
+  ExpectSilence(drive);
+  registers.RefuseWrites({});
+  EXPECT_FALSE(drive.Read(3).ok);
+  EXPECT_TRUE(drive.Read(4).ok);
+}
+
+TEST_F(ModbusDriveTest, TakesNoForceUnlessItIsEnabled) {
+  ModbusDrive drive(Config());
+  EXPECT_FALSE(drive.Write(100));
+  EXPECT_EQ(registers.Get(kForce), 0);
 }
 
 TEST_F(ModbusDriveTest, APositionThatIsNoNumberIsNoReading) {
@@ -193,16 +274,19 @@ TEST_F(ModbusDriveTest, APositionThatIsNoNumberIsNoReading) {
 }
 
 TEST_F(ModbusDriveTest, ALostConnectionComesBackDisabled) {
-  ModbusDrive drive(Config());
+  ModbusDrive drive(Config(), TestNow);
   ASSERT_EQ(drive.Enable(), Enabling::kEnabled);
   ASSERT_TRUE(drive.Write(100));
   hang_up = true;
   EXPECT_FALSE(drive.Read(1).ok);
   EXPECT_FALSE(drive.Write(100));
+  drive.Disable();
   hang_up = false;
+  // No silence: who connected it anew took the force away.
   while (!drive.Read(2).ok) {
     std::this_thread::yield();
   }
+  EXPECT_FALSE(drive.Write(100));
   EXPECT_EQ(registers.Get(kForce), 0);
   EXPECT_EQ(registers.Get(kEnable), 0);
   EXPECT_EQ(drive.Enable(), Enabling::kEnabled);

@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <utility>
 
 #include "tests/device/modbus/scripted_peer.h"
@@ -28,6 +29,11 @@ class Registers {
     const std::lock_guard lock(mutex_);
     silent_ = silent;
   }
+  /// From now on a write that begins at one of these answers exception 4 and changes nothing.
+  void RefuseWrites(std::set<uint16_t> addresses) {
+    const std::lock_guard lock(mutex_);
+    refused_ = std::move(addresses);
+  }
   /// How often any request came.
   int requests() const {
     const std::lock_guard lock(mutex_);
@@ -46,6 +52,10 @@ class Registers {
         pdu = Read(request, Word(request, 8), Word(request, 10));
         break;
       case 16:
+        if (refused_.contains(Word(request, 8))) {
+          pdu = {16 | 0x80, 4};
+          break;
+        }
         Write(Word(request, 8), Word(request, 10), request, 13);
         pdu.assign(request.begin() + 7, request.begin() + 12);
         break;
@@ -82,6 +92,7 @@ class Registers {
 
   mutable std::mutex mutex_;
   std::map<uint16_t, uint16_t> registers_;
+  std::set<uint16_t> refused_;
   bool silent_ = false;
   int requests_ = 0;
 };
