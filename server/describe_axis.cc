@@ -16,6 +16,7 @@ gate::AxisDescription DescribeAxis(const AxisConfig& config) {
   description.force_noise_limit = config.force_noise_limit;
   description.hand_envelope = config.hand_envelope;
   description.device_tolerance = config.device_tolerance;
+  description.delay_tolerance_s = config.watch.delay_limit_s - config.loop.delay_s;
   return description;
 }
 

@@ -34,6 +34,8 @@ struct AxisDescription {
   /// Hands and devices that every admitted mass is stable with; none: exactly those of `loop`.
   std::optional<model::HandEnvelope> hand_envelope{};
   std::optional<model::DeviceTolerance> device_tolerance{};
+  /// Delay beyond that of `loop` that the loop delay watch lets pass, s; 0 or more.
+  double delay_tolerance_s = 0;
   bool simulated = false;
   /// Whether the loop has real-time scheduling and, if not, why and how to change it.
   bool realtime = false;
@@ -48,7 +50,7 @@ struct AxisDescription {
         force_noise_limit
             ? std::optional(ForceNoiseLimit{position_quantum, *force_noise_limit, acceleration_quantum})
             : std::nullopt;
-    return {required_gain_margin_db, noise, hand_envelope, device_tolerance};
+    return {required_gain_margin_db, noise, hand_envelope, device_tolerance, delay_tolerance_s};
   }
 };
 

@@ -110,8 +110,12 @@ Result<FilterGrant> AxisGate::SetFilter(const std::string& lease_id, const Filte
   if (const auto error = model::Validate(grant.loop)) {
     return InvalidNumber(*error);
   }
-  const auto filtered =
-      std::make_shared<const StabilityGate>(grant.loop, description_.Requirements(), certificates_);
+  // An accelerometer adds to the delay that is assumed.
+  const Requirements requirements = description_.Requirements();
+  if (const auto error = model::Validate(AssumedLoops(grant.loop, requirements))) {
+    return InvalidNumber(*error);
+  }
+  const auto filtered = std::make_shared<const StabilityGate>(grant.loop, requirements, certificates_);
   std::optional<Result<Posted>> posted;
   while (!posted) {
     grant.stability = filtered->Judge(

@@ -31,8 +31,8 @@ struct MassLimits {
 class StabilityGate {
  public:
   /// Throws std::invalid_argument where model::Validate refuses `loop` or what is assumed around it, or where
-  /// a requirement is out of its range. Takes up to a second where several loops are assumed and
-  /// `certificates`, not null, does not know them yet.
+  /// a requirement is out of its range. Takes up to a second, with an accelerometer up to three,
+  /// where several loops are assumed and `certificates`, not null, does not know them yet.
   StabilityGate(
       const model::LoopParameters& loop, const Requirements& requirements,
       std::shared_ptr<model::CertificateCache> certificates = std::make_shared<model::CertificateCache>());
@@ -40,7 +40,8 @@ class StabilityGate {
   /// Judges a finite `mass`: is it inside the admitted interval, and quiet enough? A mass of 0 is always
   /// admitted, even where the M-width is empty: the force is then zero and the device is left to itself,
   /// which is the safe state to ramp to. `kind` names the units in `binding`. Some 2 ms; for a refused mass
-  /// up to seconds where several loops are assumed, for the cut-off that would admit it.
+  /// up to a second where several loops are assumed, for the cut-off that would admit it, which is not looked
+  /// for where those read an accelerometer.
   StabilityReport Judge(double mass, const MassLimits& limits, model::AxisKind kind) const;
 
   const MassRange& range() const { return range_; }

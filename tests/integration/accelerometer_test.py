@@ -53,6 +53,10 @@ class AccelerometerTest(unittest.TestCase):
         loop = stability.LoopParameters(estimator=stability.ESTIMATOR_KIND_FILTERED_DIFFERENCE)
         difference = server.stability.GetMWidth(stability.GetMWidthRequest(loop=loop)).m_width.admitted
         self.assertGreater(own.max, 1.3 * difference.max)
+        # Also with the delay that the watch lets pass, a quarter of a period: a punctual loop holds more.
+        late = server.stability.GetMWidth(stability.GetMWidthRequest(loop=stability.LoopParameters(delay_s=0.00025)))
+        self.assertLess(server.state().m_width.robust.max, late.m_width.nominal.max)
+        self.assertGreater(server.state().m_width.nominal.max, late.m_width.nominal.max)
         mass = 1.2 * difference.max
         lease = server.acquire(10)
         server.start(lease)

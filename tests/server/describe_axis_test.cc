@@ -13,6 +13,13 @@ const render::RealtimeReport kGranted{.realtime = true, .message = "SCHED_FIFO p
 const render::RealtimeReport kRefused{.realtime = false,
                                       .message = "memory is not locked: grant CAP_IPC_LOCK"};
 
+TEST(DescribeAxisTest, TellsTheGateWhatDelayTheWatchTolerates) {
+  AxisConfig config;
+  config.loop.delay_s = 1e-3;
+  config.watch.delay_limit_s = 1.25e-3;
+  EXPECT_NEAR(DescribeAxis(config).Requirements().delay_tolerance_s, 2.5e-4, 1e-18);
+}
+
 TEST(RenderingBlockedReasonTest, BlocksARealDriveOnAHostThatRefusesAndSaysWhatToDo) {
   EXPECT_THAT(
       RenderingBlockedReason(false, kRefused, false),

@@ -122,6 +122,29 @@ TEST_F(AxisGateFilterTest, AsksForLeaseThenNumbersThenState) {
   ExpectRefused(gate.SetFilter(lease, kKalman), RefusalCode::kFailedPrecondition, kWrongState);
 }
 
+AxisDescription LateAxisWithAnAccelerometer() {
+  AxisDescription axis = PaperAxis();
+  axis.loop.delay_s = 3e-3;
+  axis.loop.accelerometer_bandwidth_hz = 100;
+  axis.acceleration_quantum = 0.01;
+  axis.delay_tolerance_s = 2.5e-4;
+  return axis;
+}
+
+class LateAxisFilterTest : public AxisFixture {
+ protected:
+  LateAxisFilterTest() : AxisFixture(LateAxisWithAnAccelerometer()) {}
+};
+
+TEST_F(LateAxisFilterTest, RefusesAnAccelerometerWhoseDelaysTheModelDoesNotKnow) {
+  const std::string lease = Acquire();
+  const Result<FilterGrant> refused =
+      gate.SetFilter(lease, {.estimator = EstimatorKind::kAccelerometer, .cutoff_hz = 10});
+  ExpectRefused(refused, RefusalCode::kInvalidArgument, kInvalidNumber);
+  EXPECT_EQ(refused.refusal().metadata.at("field"), "delay_bound_s");
+  EXPECT_TRUE(gate.SetFilter(lease, {.estimator = EstimatorKind::kButterworth, .cutoff_hz = 10}).ok());
+}
+
 TEST_F(AxisGateFilterTest, RefusesAChangeWhileAStopRampsDownAndOneThatAFaultOvertakes) {
   const std::string lease = Render(0.3);
   const std::string again = lease;

@@ -30,5 +30,21 @@ TEST(Requirements, PutTheirHandsAndDevicesAroundTheLoop) {
   EXPECT_FALSE(AssumesOneLoop(loop, requirements));
 }
 
+TEST(Requirements, AssumeTheToleratedDelayWithAnAccelerometer) {
+  const Requirements requirements{.delay_tolerance_s = 2.5e-4};
+  for (const model::EstimatorKind estimator : model::kEstimatorKinds) {
+    for (const double delay_s : {0.0, 1e-3}) {
+      model::LoopParameters loop = PaperAxis().loop;
+      loop.estimator = estimator;
+      loop.accelerometer_bandwidth_hz = 100;
+      loop.delay_s = delay_s;
+      const bool senses = model::IsAccelerometer(estimator);
+      EXPECT_EQ(AssumedLoops(loop, requirements).delay_bound_s, delay_s + (senses ? 2.5e-4 : 0));
+      EXPECT_EQ(AssumesOneLoop(loop, requirements), delay_s == 0 && !senses);
+      EXPECT_EQ(AssumesOneLoop(loop, {}), delay_s == 0);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace mwidth::gate

@@ -310,6 +310,39 @@ TEST(StabilityGate, ProvesAnAccelerometersRobustIntervalToo) {
   EXPECT_GT(report.margins.delay.seconds, 0);
 }
 
+model::LoopParameters FilteredAccelerometer() {
+  model::LoopParameters loop = PaperLoop();
+  loop.estimator = model::EstimatorKind::kFilteredAccelerometer;
+  loop.accelerometer_bandwidth_hz = 10;
+  return loop;
+}
+
+TEST(StabilityGate, AdmitsWithAnAccelerometerWhatTheToleratedDelayHolds) {
+  const double tolerance_s = 2.5e-4;
+  const MassRange range =
+      StabilityGate(FilteredAccelerometer(), {.gain_margin_db = 3, .delay_tolerance_s = tolerance_s}).range();
+  for (int i = 0; i <= 50; ++i) {
+    model::LoopParameters late = FilteredAccelerometer();
+    late.delay_s = tolerance_s * i / 50;
+    const model::MWidth m_width = model::ComputeMWidth(late);
+    EXPECT_LE(m_width.lower.mass, range.robust.min);
+    EXPECT_GE(m_width.upper.mass, range.robust.max);
+  }
+  // A gain margin does not stand in for it.
+  const StabilityGate punctual(FilteredAccelerometer(), {.gain_margin_db = 3});
+  EXPECT_GT(punctual.range().admitted.max, 3 * range.robust.max);
+}
+
+TEST(StabilityGate, OffersNoCutOffWithAnAccelerometerWhereItHadToBeProved) {
+  const StabilityGate punctual(FilteredAccelerometer(), {.gain_margin_db = 3});
+  const double mass = 1.1 * punctual.range().admitted.max;
+  EXPECT_TRUE(punctual.Judge(mass, kWide, kLinear).admitting_cutoff_hz.has_value());
+  const StabilityGate gate(FilteredAccelerometer(), {.gain_margin_db = 3, .delay_tolerance_s = 2.5e-4});
+  const StabilityReport refused = gate.Judge(1.1 * gate.range().admitted.max, kWide, kLinear);
+  EXPECT_FALSE(refused.admitted);
+  EXPECT_FALSE(refused.admitting_cutoff_hz.has_value());
+}
+
 TEST(StabilityGate, RefusesAMassThatBuzzesWithTheCountsOfTheAccelerometer) {
   model::LoopParameters loop = PaperLoop();
   loop.estimator = model::EstimatorKind::kAccelerometer;
