@@ -30,8 +30,14 @@ MassAccuracy PredictAccuracy(const model::LoopParameters& loop, double mass, con
                              double position_quantum, double acceleration_quantum) {
   const model::PerceivedMass perceived = model::PredictPerceivedMass(loop, mass, band);
   MassAccuracy accuracy{.ideal_mass = loop.device_mass + mass,
-                        .force_noise = model::ForceNoise(loop, mass, position_quantum, acceleration_quantum),
+                        .force_noise = {},
                         .unavailable_reason = WhyMissing(loop, perceived)};
+  if (!model::IsAccelerometer(loop.estimator) || acceleration_quantum > 0) {
+    accuracy.force_noise = model::ForceNoise(loop, mass, position_quantum, acceleration_quantum);
+  } else if (accuracy.unavailable_reason.empty()) {
+    accuracy.unavailable_reason =
+        "this axis has no accelerometer, so its counts, and their noise, are not known";
+  }
   if (perceived.perception == model::Perception::kKnown) {
     accuracy.perceived_mass = perceived.mass;
     accuracy.error = perceived.error;

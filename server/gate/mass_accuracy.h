@@ -24,13 +24,15 @@ struct MassAccuracy {
   std::optional<double> simulated_perceived_mass{};
   std::optional<double> simulated_error{};
   /// Standard deviation of the force that the quantum of the encoder, or of the accelerometer, causes.
+  /// Missing where the accelerometer's is not known.
   std::optional<double> force_noise{};
   /// A sentence where a figure is missing that was asked for.
   std::string unavailable_reason{};
 };
 
 /// Predicts the accuracy of `mass`, finite, with an encoder of `position_quantum`, m or rad, and an
-/// accelerometer of `acceleration_quantum`, m/s^2 or rad/s^2, where the loop reads one; both at least 0.
+/// accelerometer of `acceleration_quantum`, m/s^2 or rad/s^2, where the loop reads one; both at least 0, the
+/// latter 0 where it is not known.
 /// Precondition: model::Validate accepts loop and band. Any thread, some 20 us.
 MassAccuracy PredictAccuracy(const model::LoopParameters& loop, double mass, const model::MotionBand& band,
                              double position_quantum, double acceleration_quantum = 0);

@@ -57,5 +57,18 @@ TEST(MassAccuracy, HasNoRelativeErrorWhereNothingShouldBeFelt) {
   EXPECT_THAT(accuracy.unavailable_reason, HasSubstr("add up to 0"));
 }
 
+TEST(MassAccuracy, TellsNoNoiseOfAnAccelerometerWhoseCountsAreNotKnown) {
+  model::LoopParameters loop = PaperAxis().loop;
+  loop.estimator = model::EstimatorKind::kFilteredAccelerometer;
+  loop.accelerometer_bandwidth_hz = 100;
+  const MassAccuracy unknown = PredictAccuracy(loop, 0.1, kDefaultBand, 1e-6);
+  EXPECT_FALSE(unknown.force_noise.has_value());
+  EXPECT_TRUE(unknown.perceived_mass.has_value());
+  EXPECT_THAT(unknown.unavailable_reason, HasSubstr("no accelerometer"));
+  const MassAccuracy known = PredictAccuracy(loop, 0.1, kDefaultBand, 1e-6, 0.01);
+  EXPECT_GT(known.force_noise.value(), 0);
+  EXPECT_EQ(known.unavailable_reason, "");
+}
+
 }  // namespace
 }  // namespace mwidth::gate
