@@ -90,13 +90,11 @@ std::string FaultMessage(const exchange::FaultRecord& fault) {
              " can, and have not changed since. Move the device by hand and check that its position follows, "
              "then clear the fault.";
     case exchange::Fault::kAccelerometer:
-      return "The accelerometer and the encoder disagree: what the one sums up to and the velocity of the "
-             "other "
-             "went apart by " +
+      return "The accelerometer is not to be believed: it told an acceleration that no joint has, or what it "
+             "sums up to and the velocity of the encoder went apart, by " +
              value + ", where " + limit +
              " is the limit. Check the accelerometer's mounting, its cable and its sign, and the encoder, "
-             "then "
-             "clear the fault.";
+             "then clear the fault.";
     case exchange::Fault::kRepeatedOverrun:
       return "In " + value + " ticks in a row the loop missed a deadline, of which " + limit +
              " are allowed. Relieve the host or lengthen the period, then clear the fault.";

@@ -14,6 +14,7 @@ AccelerometerWatch::AccelerometerWatch(const LoopConfig& config, const device::D
       // Rounding: of the position at both ends of a gap, and of every acceleration the same way.
       limit_(config.watch.freeze_velocity + drive.position_quantum / config.period_s +
              0.5 * drive.acceleration_quantum * config.watch.freeze_s),
+      acceleration_limit_(config.watch.acceleration_limit),
       one_period_(drive.senses_acceleration() ? Over(1) : Step{}) {}
 
 AccelerometerWatch::Step AccelerometerWatch::Over(uint64_t periods) const noexcept {
@@ -50,6 +51,9 @@ void AccelerometerWatch::Follow(double velocity, double acceleration, uint64_t p
 }
 
 Breach AccelerometerWatch::Judge() const noexcept {
+  if (std::abs(acceleration_) > acceleration_limit_) {
+    return {exchange::Fault::kAccelerometer, std::abs(acceleration_), acceleration_limit_};
+  }
   if (std::abs(disagreement_) > limit_) {
     return {exchange::Fault::kAccelerometer, std::abs(disagreement_), limit_};
   }

@@ -18,9 +18,10 @@ namespace mwidth::render {
 ///     e = what u has changed less what y has summed up to, forgotten with the time constant freeze_s
 ///
 /// stays near 0 however the joint moves, and does not where the sensor is stuck, has lost its sign or its
-/// scale, or is biased by more than freeze_velocity / freeze_s; nor where the encoder is stuck. Between ticks
-/// the acceleration is taken to be constant, which the staircase of the force makes it, and encoder
-/// velocities to be means over a tick, half a tick old, as which y is summed up too.
+/// scale, or is biased by more than freeze_velocity / freeze_s; nor where the encoder is stuck. Nor may y
+/// tell more than acceleration_limit, which the joint does not reach, and so no mean of it. Between ticks the
+/// acceleration is taken to be constant, which the staircase of the force makes it, and encoder velocities to
+/// be means over a tick, half a tick old, as which y is summed up too.
 class AccelerometerWatch {
  public:
   /// Without an accelerometer in `drive` nothing is ever judged.
@@ -29,7 +30,8 @@ class AccelerometerWatch {
   /// An answer, `periods` (at least 1) after the answer before: the mean velocity since then, and what the
   /// accelerometer tells now.
   void Follow(double velocity, double acceleration, uint64_t periods) noexcept;
-  /// Where the two disagree by more than freeze_velocity, and what the counts of both explain.
+  /// Where the last acceleration is beyond the limit of the joint, or the two disagree by more than
+  /// freeze_velocity, and what the counts of both explain.
   Breach Judge() const noexcept;
 
  private:
@@ -45,6 +47,7 @@ class AccelerometerWatch {
   const double rate_;
   const double memory_s_;
   const double limit_;
+  const double acceleration_limit_;
   const Step one_period_;
 
   // How many answers are known without too long a gap: a mean velocity takes two, its change three.

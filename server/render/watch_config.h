@@ -24,11 +24,13 @@ struct WatchConfig {
   /// Ticks in a row of which each missed a deadline; more is a fault. At most 1000.
   uint32_t max_consecutive_overruns = 10;
 
-  /// Acceleration that no joint has, m/s^2 or rad/s^2: where positions demand more, the encoder jumped. Above
-  /// 0; no default, since the velocity limit and the period decide.
+  /// Acceleration that no joint has, m/s^2 or rad/s^2: where positions demand more, the encoder jumped; where
+  /// an accelerometer tells more, it lies. Above 0; no default, since the velocity limit and the period
+  /// decide.
   double acceleration_limit = 0;
   /// Counts that stop from at least freeze_velocity (above 0; no default) within one answer, and then stay
-  /// the same for freeze_s, 0.01 to 10 s, are those of a frozen encoder.
+  /// the same for freeze_s, 0.01 to 10 s, are those of a frozen encoder. What an accelerometer sums up to,
+  /// forgotten in freeze_s, may be off the encoder's velocity by freeze_velocity and what the counts explain.
   double freeze_velocity = 0;
   double freeze_s = 0.1;
 };

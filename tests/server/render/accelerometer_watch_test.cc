@@ -113,6 +113,23 @@ TEST(AccelerometerWatch, DoubtsASensorThatIsStuckReversedBiasedOrOutOfScale) {
   EXPECT_TRUE(within(Doubted([](double&, double& a) { a += 3; }), 150));
 }
 
+TEST(AccelerometerWatch, DoubtsAnAccelerationThatNoJointHasAtOnce) {
+  LoopConfig config = Config();
+  config.watch.acceleration_limit = 100;
+  for (const double sign : {-1.0, 1.0}) {
+    // Too short a spike to sum up to anything, and before there is a sum.
+    AccelerometerWatch watch(config, kDrive);
+    watch.Follow(0, sign * 100, 1);
+    EXPECT_EQ(watch.Judge().fault, Fault::kNone);
+    watch.Follow(0, sign * 101, 1);
+    EXPECT_EQ(watch.Judge().fault, Fault::kAccelerometer);
+    EXPECT_EQ(watch.Judge().value, 101);
+    EXPECT_EQ(watch.Judge().limit, 100);
+    watch.Follow(0, 0, 1);
+    EXPECT_NE(watch.Judge().limit, 100);
+  }
+}
+
 TEST(AccelerometerWatch, DoubtsAFrozenEncoderToo) {
   EXPECT_GE(Doubted([](double& v, double&) { v = 0; }), 0);
 }
