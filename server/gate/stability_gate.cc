@@ -175,13 +175,14 @@ std::optional<double> StabilityGate::AdmittingCutoffHz(double mass) const {
 }
 
 model::Margins StabilityGate::WorstMargins(double mass) const {
+  const bool certified = certificate_ && !certificate_->empty();
   std::vector<model::LoopParameters> loops{loop_};
-  if (certificate_ && !certificate_->empty()) {
+  if (certified) {
     loops.push_back(certificate_->lower.binding);
     loops.push_back(certificate_->upper.binding);
   }
   model::Margins worst = model::WorstMarginsAmong(loops, mass).margins;
-  if (loops.size() > 1 && mass != 0) {
+  if (certified && mass != 0) {
     // Over the whole envelope, as it is proved: usually within 0.5 % of the loop that binds; where the effort
     // ended first, less is proved.
     const model::RobustEdge& edge = mass < 0 ? certificate_->lower : certificate_->upper;

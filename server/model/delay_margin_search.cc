@@ -26,8 +26,10 @@ std::vector<double> Delays(const LoopParameters& loop, double first) {
     for (int i = 1; i <= kPointsPerTick; ++i) {
       delays.push_back(tick + static_cast<double>(i) / kPointsPerTick);
     }
-    for (double left = 0.5 / kPointsPerTick; left * rate > 1.0 / kPointsPerTick; left /= 2) {
+    double left = 0.5 / kPointsPerTick;
+    while (left * rate > 1.0 / kPointsPerTick) {
       delays.push_back(tick + 1 - left);
+      left /= 2;
     }
   }
   delays.erase(std::remove_if(delays.begin(), delays.end(), [first](double ticks) { return ticks <= first; }),
