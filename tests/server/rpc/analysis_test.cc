@@ -159,6 +159,18 @@ TEST_F(AnalysisTest, SaysThatAMassIsUnstableInPlaceOfFigures) {
   EXPECT_THAT(response.accuracy().unavailable_reason(), HasSubstr("unstable"));
 }
 
+TEST_F(AnalysisTest, TellsNoNoiseOfAnAccelerometerThatTheAxisDoesNotHave) {
+  v1::GetAccuracyRequest request;
+  request.set_mass(0.1);
+  request.mutable_loop()->set_estimator(v1::ESTIMATOR_KIND_FILTERED_ACCELEROMETER);
+  request.mutable_loop()->set_accelerometer_bandwidth_hz(100);
+  v1::GetAccuracyResponse response;
+  ASSERT_TRUE(Get(request, response).ok());
+  EXPECT_TRUE(response.accuracy().has_perceived_mass());
+  EXPECT_FALSE(response.accuracy().has_force_noise());
+  EXPECT_THAT(response.accuracy().unavailable_reason(), HasSubstr("no accelerometer"));
+}
+
 TEST_F(AnalysisTest, NamesWhatIsWrongWithABand) {
   using Request = v1::GetAccuracyRequest;
   const std::vector<std::pair<std::string, std::function<void(Request&)>>> faults = {
