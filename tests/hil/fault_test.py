@@ -14,6 +14,10 @@ from session_test import PROGRAMS
 # whether its motor is off.
 FAULTS = {
     "silence": ("echo silence >&3", {"FAULT_KIND_DRIVE_SILENT"}),
+    "delay": ("echo delay 0.02 >&3", {"FAULT_KIND_DRIVE_SILENT"}),
+    "heartbeat-loss": ("echo heartbeat-loss >&3", {"FAULT_KIND_DRIVE_SILENT"}),
+    "freeze": ("echo freeze >&3", {"FAULT_KIND_ENCODER_FREEZE"}),
+    "wrong-order": ("echo wrong-order >&3", {"FAULT_KIND_ENCODER_JUMP", "FAULT_KIND_POSITION_LIMIT"}),
     "emcy": ("echo emcy 4310 >&3", {"FAULT_KIND_DRIVE_ERROR"}),
     "jump": ("echo jump 100000 >&3", {"FAULT_KIND_ENCODER_JUMP"}),
     "dead-drive": ("kill -9 $drive", {"FAULT_KIND_DRIVE_SILENT"}),

@@ -90,6 +90,7 @@ class PlainBus final : public can::Bus {
           : index == 0x6076 ? 1000
           : index == 0x1016 ? consumer_
           : index == 0x6007 ? 2
+          : index == 0x60B2 ? 0
                             : stored_);
     }
     Say(answer);
