@@ -59,6 +59,8 @@ class Link:
     server_arguments: str = ""
     # Periods that pass between a position and its force besides the time that the exchange takes.
     delay_periods: int = 0
+    # What the link itself may cost.
+    most_missed_ticks: int = 0
 
     def configuration(self):
         text = (CONFIG / self.example).read_text()
@@ -72,7 +74,7 @@ class Link:
         address = f"$(sed -n 's/^listening on //p' {self.name}-drive.log)"
         return SESSION.format(name=self.name, drive_arguments=self.drive_arguments, masses=" ".join(map(str, MASSES)),
                               server_arguments=self.server_arguments.replace("$(address)", address),
-                              length_s=LENGTH_S, hold_s=LENGTH_S + 1)
+                              length_s=LENGTH_S, hold_s=LENGTH_S + 3)
 
 
 def simulation(configuration, delay_s):
