@@ -2,6 +2,8 @@
 
 #include <netinet/in.h>
 #include <netinet/tcp.h>
+#include <pthread.h>
+#include <sched.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -38,6 +40,13 @@ std::size_t AnswerTo(Frame& frame) {
 
 }  // namespace
 
+void PinTo(int cpu) {
+  cpu_set_t cpus;
+  CPU_ZERO(&cpus);
+  CPU_SET(cpu, &cpus);
+  pthread_setaffinity_np(pthread_self(), sizeof(cpus), &cpus);
+}
+
 AnsweringPeer::AnsweringPeer() : listening_(socket(AF_INET, SOCK_STREAM, 0)) {
   sockaddr_in address{};
   address.sin_family = AF_INET;
@@ -58,6 +67,7 @@ AnsweringPeer::~AnsweringPeer() {
 }
 
 void AnsweringPeer::Answer() const {
+  PinTo(1);
   const int connection = accept(listening_, nullptr, nullptr);
   constexpr int kOn = 1;
   setsockopt(connection, IPPROTO_TCP, TCP_NODELAY, &kOn, sizeof(kOn));

@@ -6,8 +6,11 @@
 
 namespace mwidth::bench {
 
-/// A thread that answers each request on its one connection at once, with bare recv and send: what it reads
-/// back is zeros, and the transaction is the request's. Ends when the connection does.
+/// Keeps the calling thread on one CPU, where there is such a one.
+void PinTo(int cpu);
+
+/// A thread, on CPU 1, that answers each request on its one connection at once, with bare recv and send: what
+/// it reads back is zeros, and the transaction is the request's. Ends when the connection does.
 class AnsweringPeer {
  public:
   /// Listens on the loopback interface. Throws std::system_error.

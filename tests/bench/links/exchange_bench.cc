@@ -128,6 +128,8 @@ void Compare(const Exchanges& tick) {
 }  // namespace mwidth::bench
 
 int main() {
+  // This thread on one CPU, its peers on another: where the scheduler puts them would decide the ratio.
+  mwidth::bench::PinTo(0);
   try {
     for (const auto& tick : mwidth::bench::Ticks()) {
       mwidth::bench::Compare(tick);
