@@ -23,6 +23,9 @@ struct DriveInfo {
   bool senses_acceleration() const noexcept { return acceleration_quantum > 0; }
 };
 
+/// Longest time after which a drive must take the force away by itself when nobody speaks to it, s.
+inline constexpr double kMaxWatchdogS = 0.1;
+
 /// What a drive answers to being enabled.
 enum class Enabling : uint8_t {
   kEnabled,

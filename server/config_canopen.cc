@@ -8,6 +8,8 @@
 #include <sstream>
 #include <string>
 
+#include "device/drive.h"
+
 namespace mwidth::server {
 namespace {
 
@@ -57,7 +59,7 @@ double ReadMilliseconds(ConfigTable& table, std::string_view key, Range allowed,
 }
 
 void ReadHeartbeats(ConfigTable& drive, double period_s, canopen::CanopenDriveConfig& read) {
-  read.watchdog_s = ReadMilliseconds(drive, "watchdog_s", {2 * kMillisecond, canopen::kMaxWatchdogS}, 0.05);
+  read.watchdog_s = ReadMilliseconds(drive, "watchdog_s", {2 * kMillisecond, device::kMaxWatchdogS}, 0.05);
   // Two of ours fit into the drive's patience, so that one may be late. They go out with ticks.
   const double longest_s = std::max(period_s, read.watchdog_s / 2 - period_s);
   read.heartbeat_s = drive.NumberOr("heartbeat_s", {period_s, longest_s}, std::min(0.02, longest_s));

@@ -7,14 +7,9 @@
 #include <cstdint>
 #include <ctime>
 
-namespace mwidth::device::can {
+#include "device/monotonic_clock.h"
 
-/// CLOCK_MONOTONIC. Rt.
-inline int64_t NowNs() noexcept {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return now.tv_sec * 1'000'000'000L + now.tv_nsec;
-}
+namespace mwidth::device::can {
 
 /// False when nothing can be read from `file` by `deadline_ns`. ppoll, because poll counts milliseconds. Rt.
 inline bool WaitToRead(int file, int64_t deadline_ns) noexcept {

@@ -1,13 +1,11 @@
 #include "device/canopen/canopen_drive.h"
 
-#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
-#include "device/can/wait.h"
 #include "device/canopen/cia402.h"
 #include "device/canopen/frames.h"
 #include "device/canopen/set_up.h"
@@ -27,17 +25,15 @@ std::string LockNameOf(const CanopenDriveConfig& config) {
 }
 
 CanopenDrive::CanopenDrive(const CanopenDriveConfig& config)
-    : CanopenDrive(config, can::MakeBus(config.bus), can::NowNs) {}
+    : CanopenDrive(config, can::MakeBus(config.bus), NowNs) {}
 
 CanopenDrive::CanopenDrive(const CanopenDriveConfig& config, std::unique_ptr<can::Bus> bus, Now now)
     : lock_(LockNameOf(config)), config_(config), now_(now), bus_(std::move(bus)) {
   Connect();
-  connecting_ = std::jthread([this](const std::stop_token& stop) { KeepConnected(stop); });
 }
 
 CanopenDrive::~CanopenDrive() {
-  connecting_.request_stop();
-  connecting_.join();
+  reconnection_.Stop();
   Disable();
 }
 
@@ -46,23 +42,6 @@ void CanopenDrive::Connect() {
   SetUp(*bus_, config_, now_);
   data_.Begin();
   arming_.Reset();
-}
-
-void CanopenDrive::KeepConnected(const std::stop_token& stop) {
-  constexpr std::chrono::milliseconds kPause{100};
-  std::unique_lock lock(mutex_);
-  while (!stop.stop_requested()) {
-    ending_.wait_for(lock, stop, kPause, [] { return false; });
-    if (stop.stop_requested() || HasLink()) {
-      continue;
-    }
-    try {
-      Connect();
-      lost_.store(false, std::memory_order_release);
-    } catch (const std::runtime_error&) {  // NOLINT(bugprone-empty-catch): the loop tells of the silence; try
-                                           // again
-    }
-  }
 }
 
 DriveInfo CanopenDrive::Info() const noexcept {
@@ -80,7 +59,7 @@ bool CanopenDrive::IsGone() const noexcept {
 
 void CanopenDrive::HandOver() noexcept {
   Disable();
-  lost_.store(true, std::memory_order_release);
+  reconnection_.Lose();
 }
 
 bool CanopenDrive::HeardForeign(int64_t since_ns) const noexcept {
@@ -105,7 +84,7 @@ Reading CanopenDrive::WithTrouble(Reading reading) const noexcept {
 }
 
 Reading CanopenDrive::Read(uint64_t /*tick*/) noexcept {
-  if (!HasLink()) {
+  if (!reconnection_.HasLink()) {
     return {};
   }
   const bool joined = data_.Exchange();
@@ -137,7 +116,8 @@ void CanopenDrive::WatchRelease() noexcept {
 }
 
 bool CanopenDrive::Write(int32_t force_counts) noexcept {
-  if (!HasLink() || !enabled_ || std::abs(int64_t{force_counts}) > config_.max_torque_per_mille) {
+  if (!reconnection_.HasLink() || !enabled_ ||
+      std::abs(int64_t{force_counts}) > config_.max_torque_per_mille) {
     return false;
   }
   // F_a acts against the positive direction (eq. 1), the drive's torque towards it.
@@ -145,7 +125,7 @@ bool CanopenDrive::Write(int32_t force_counts) noexcept {
 }
 
 Enabling CanopenDrive::Enable() noexcept {
-  if (!HasLink()) {
+  if (!reconnection_.HasLink()) {
     return Enabling::kSilent;
   }
   const int64_t now_ns = now_();
@@ -175,7 +155,7 @@ Enabling CanopenDrive::Enable() noexcept {
 
 void CanopenDrive::Disable() noexcept {
   enabled_ = false;
-  if (!HasLink()) {
+  if (!reconnection_.HasLink()) {
     return;
   }
   released_ = false;

@@ -1,14 +1,9 @@
 // A CiA 402 drive on CANopen, in cyclic synchronous torque mode.
 #pragma once
 
-#include <atomic>
-#include <condition_variable>
 #include <cstdint>
 #include <memory>
-#include <mutex>
-#include <stop_token>
 #include <string>
-#include <thread>
 
 #include "device/can/bus.h"
 #include "device/canopen/arming.h"
@@ -17,6 +12,8 @@
 #include "device/canopen/sdo_client.h"
 #include "device/drive.h"
 #include "device/drive_lock.h"
+#include "device/monotonic_clock.h"
+#include "device/reconnection.h"
 
 namespace mwidth::device::canopen {
 
@@ -49,7 +46,6 @@ class CanopenDrive final : public Drive {
   const NodeCounters& counters() const noexcept { return data_.watch().counters; }
 
  private:
-  bool HasLink() const noexcept { return !lost_.load(std::memory_order_acquire); }
   bool HeardForeign(int64_t since_ns) const noexcept;
   /// The drive has booted anew, or sends no heartbeat any more.
   bool IsGone() const noexcept;
@@ -61,12 +57,11 @@ class CanopenDrive final : public Drive {
   void WatchRelease() noexcept;
   /// Not Rt.
   void Connect();
-  void KeepConnected(const std::stop_token& stop);
 
   const DriveLock lock_;
   const CanopenDriveConfig config_;
   const Now now_;
-  // Used by the loop's thread while lost_ is false, by the connecting thread while it is true.
+  // Whoever has the link, by reconnection_.
   const std::unique_ptr<can::Bus> bus_;
   ProcessData data_{*bus_, config_, now_};
   Arming arming_{config_};
@@ -75,10 +70,7 @@ class CanopenDrive final : public Drive {
   // The drive has said that it makes no force, since it was last told to make none.
   bool released_ = false;
 
-  std::atomic<bool> lost_{false};
-  std::mutex mutex_;
-  std::condition_variable_any ending_;
-  std::jthread connecting_;
+  Reconnection reconnection_{[this] { Connect(); }};
 };
 
 }  // namespace mwidth::device::canopen

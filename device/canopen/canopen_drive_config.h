@@ -19,9 +19,6 @@ enum class TickExchange : uint8_t {
 
 inline constexpr uint8_t kMaxNode = 127;
 
-/// Longest time after which a drive must take the force away by itself when nobody speaks to it.
-inline constexpr double kMaxWatchdogS = 0.1;
-
 /// Heartbeats of the drive that are missing when it is taken for gone.
 inline constexpr double kMostHeartbeatsMissing = 3;
 

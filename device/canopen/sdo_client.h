@@ -8,11 +8,9 @@
 
 #include "device/can/bus.h"
 #include "device/canopen/objects.h"
+#include "device/monotonic_clock.h"
 
 namespace mwidth::device::canopen {
-
-/// Time, so that tests have it in their hands: nanoseconds of CLOCK_MONOTONIC. Rt.
-using Now = int64_t (*)() noexcept;
 
 /// The node refused. what() says which object and why.
 class SdoAborted : public std::runtime_error {

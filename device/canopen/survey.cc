@@ -7,7 +7,6 @@
 #include <sstream>
 #include <string>
 
-#include "device/can/wait.h"
 #include "device/canopen/canopen_drive.h"
 #include "device/canopen/cia402.h"
 #include "device/canopen/objects.h"
@@ -128,7 +127,7 @@ SurveyReport Survey(const CanopenDriveConfig& config, model::AxisKind kind) {
   const DriveLock lock(LockNameOf(config));
   const auto bus = can::MakeBus(config.bus);
   bus->Connect();
-  return SurveyOn(*bus, config, kind, can::NowNs);
+  return SurveyOn(*bus, config, kind, NowNs);
 }
 
 }  // namespace mwidth::device::canopen

@@ -9,20 +9,15 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <ctime>
 #include <filesystem>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
 
+#include "device/monotonic_clock.h"
+
 namespace mwidth::device::modbus {
 namespace {
-
-int64_t NowNs() noexcept {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return now.tv_sec * 1'000'000'000L + now.tv_nsec;
-}
 
 modbus_t* NewContext(const LinkConfig& config) {
   if (const auto* tcp = std::get_if<TcpAddress>(&config.peer)) {

@@ -1,7 +1,6 @@
 #include "device/modbus/modbus_drive.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <ctime>
 #include <stdexcept>
@@ -15,13 +14,7 @@ constexpr double kArmingPatienceS = 0.005;
 // Long enough for every watchdog that a drive is armed with to fire.
 constexpr int64_t kSilenceNs = static_cast<int64_t>(1.5 * kMaxWatchdogS * 1e9);
 
-int64_t MonotonicNs() noexcept {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return now.tv_sec * 1'000'000'000L + now.tv_nsec;
-}
-
-int64_t DeadlineNs(double in_s) noexcept { return MonotonicNs() + static_cast<int64_t>(in_s * 1e9); }
+int64_t DeadlineNs(double in_s) noexcept { return NowNs() + static_cast<int64_t>(in_s * 1e9); }
 
 // Whole numbers are counts already.
 double Quantum(const RegisterValue& value, double of_a_float) noexcept {
@@ -57,25 +50,22 @@ Enabling EnablingOf(Outcome outcome) noexcept {
 
 }  // namespace
 
-ModbusDrive::ModbusDrive(const ModbusDriveConfig& config) : ModbusDrive(config, MonotonicNs) {}
+ModbusDrive::ModbusDrive(const ModbusDriveConfig& config) : ModbusDrive(config, NowNs) {}
 
 ModbusDrive::ModbusDrive(const ModbusDriveConfig& config, Now now)
     : lock_(LockNameOf(config.link)), config_(config), info_(InfoOf(config)), now_(now), link_(config.link) {
-  link_.Connect();
-  TakeForceAway();
-  connecting_ = std::jthread([this](const std::stop_token& stop) { KeepConnected(stop); });
+  Connect();
 }
 
 ModbusDrive::~ModbusDrive() {
-  connecting_.request_stop();
-  connecting_.join();
+  reconnection_.Stop();
   Disable();
 }
 
 DriveInfo ModbusDrive::Info() const noexcept { return info_; }
 
 Outcome ModbusDrive::Ask(const Request& request, std::span<uint16_t> words) noexcept {
-  if (!HasLink()) {
+  if (!reconnection_.HasLink()) {
     return Outcome::kDisconnected;
   }
   const double patience_s =
@@ -83,7 +73,7 @@ Outcome ModbusDrive::Ask(const Request& request, std::span<uint16_t> words) noex
   const Outcome outcome = link_.Exchange(request, words, DeadlineNs(patience_s));
   if (outcome == Outcome::kDisconnected) {
     enabled_ = false;
-    lost_.store(true, std::memory_order_release);
+    reconnection_.Lose();
   }
   return outcome;
 }
@@ -149,7 +139,7 @@ Enabling ModbusDrive::Arm() noexcept {
 
 Enabling ModbusDrive::Enable() noexcept {
   // A lost connection is the other thread's; a force that may be there is for Read() to take away first.
-  if (!HasLink() || MayHoldForce()) {
+  if (!reconnection_.HasLink() || MayHoldForce()) {
     return Enabling::kSilent;
   }
   force_away_ = false;
@@ -190,7 +180,7 @@ Reading ModbusDrive::PositionOf(std::span<const uint16_t> words) const noexcept 
 }
 
 Reading ModbusDrive::Read(uint64_t /*tick*/) noexcept {
-  if (HasLink() && MayHoldForce()) {
+  if (reconnection_.HasLink() && MayHoldForce()) {
     // Any request, even to read, would keep the drive's watchdog from taking the force away.
     if (now_() >= silent_until_ns_) {
       Disable();
@@ -221,6 +211,11 @@ bool ModbusDrive::Write(int32_t force_counts) noexcept {
   return enabled_ && PutForce(force_counts) == Outcome::kAnswered;
 }
 
+void ModbusDrive::Connect() {
+  link_.Connect();
+  TakeForceAway();
+}
+
 void ModbusDrive::TakeForceAway() {
   const Words zero = ForceWords(0);
   const auto put = [this](uint16_t address, std::span<const uint16_t> words) {
@@ -238,24 +233,6 @@ void ModbusDrive::TakeForceAway() {
   }
   put(config_.map.force.address, std::span(zero).first(config_.map.force.Registers()));
   force_away_ = true;
-}
-
-void ModbusDrive::KeepConnected(const std::stop_token& stop) {
-  constexpr std::chrono::milliseconds kPause{100};
-  std::unique_lock lock(mutex_);
-  while (!stop.stop_requested()) {
-    ending_.wait_for(lock, stop, kPause, [] { return false; });
-    if (stop.stop_requested() || HasLink()) {
-      continue;
-    }
-    try {
-      link_.Connect();
-      TakeForceAway();
-      lost_.store(false, std::memory_order_release);
-    } catch (const std::runtime_error&) {  // NOLINT(bugprone-empty-catch): the loop tells of the silence; try
-                                           // again
-    }
-  }
 }
 
 }  // namespace mwidth::device::modbus

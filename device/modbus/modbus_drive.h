@@ -2,23 +2,17 @@
 #pragma once
 
 #include <array>
-#include <atomic>
-#include <condition_variable>
 #include <cstdint>
-#include <mutex>
 #include <span>
-#include <stop_token>
-#include <thread>
 
 #include "device/drive.h"
 #include "device/drive_lock.h"
 #include "device/modbus/link.h"
 #include "device/modbus/modbus_drive_config.h"
+#include "device/monotonic_clock.h"
+#include "device/reconnection.h"
 
 namespace mwidth::device::modbus {
-
-/// CLOCK_MONOTONIC, or a test's time, ns. Rt.
-using Now = int64_t (*)() noexcept;
 
 /// The loop's thread exchanges with the drive; a connection that is lost is made again by a thread of its
 /// own, which also takes the force away before it hands the drive back. All Rt but the constructor, the
@@ -55,7 +49,6 @@ class ModbusDrive final : public Drive {
  private:
   using Words = std::array<uint16_t, kMaxValueRegisters>;
 
-  bool HasLink() const noexcept { return !lost_.load(std::memory_order_acquire); }
   /// A force may act that nobody commands. Only where there is a link.
   bool MayHoldForce() const noexcept { return !enabled_ && !force_away_; }
   /// One request of the tick; hands a lost connection to the thread that makes it anew.
@@ -68,14 +61,14 @@ class ModbusDrive final : public Drive {
   Words ForceWords(int32_t force_counts) const noexcept;
   Reading PositionOf(std::span<const uint16_t> words) const noexcept;
   /// Not Rt.
+  void Connect();
   void TakeForceAway();
-  void KeepConnected(const std::stop_token& stop);
 
   const DriveLock lock_;
   const ModbusDriveConfig config_;
   const DriveInfo info_;
   const Now now_;
-  // Used by the loop's thread while lost_ is false, by the connecting thread while it is true.
+  // Whoever has the link, by reconnection_.
   Link link_;
   bool enabled_ = false;
   bool arming_ = false;
@@ -86,10 +79,7 @@ class ModbusDrive final : public Drive {
   // The loop's thread alone.
   int64_t silent_until_ns_ = 0;
 
-  std::atomic<bool> lost_{false};
-  std::mutex mutex_;
-  std::condition_variable_any ending_;
-  std::jthread connecting_;
+  Reconnection reconnection_{[this] { Connect(); }};
 };
 
 }  // namespace mwidth::device::modbus

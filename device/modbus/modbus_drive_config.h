@@ -68,9 +68,6 @@ enum class TickExchange : uint8_t {
   kReadWrite,
 };
 
-/// Longest time after which a drive must take the force away by itself when nobody speaks to it.
-inline constexpr double kMaxWatchdogS = 0.1;
-
 struct ModbusDriveConfig {
   LinkConfig link;
   DriveMap map;

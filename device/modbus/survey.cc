@@ -2,13 +2,14 @@
 
 #include <array>
 #include <cmath>
-#include <ctime>
 #include <optional>
 #include <sstream>
 #include <string>
 
+#include "device/drive.h"
 #include "device/drive_lock.h"
 #include "device/modbus/link.h"
+#include "device/monotonic_clock.h"
 
 namespace mwidth::device::modbus {
 namespace {
@@ -39,19 +40,13 @@ std::string FailureOf(Outcome outcome) {
   return "no answer";
 }
 
-int64_t DeadlineNs() {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return now.tv_sec * 1'000'000'000L + now.tv_nsec + kPatienceNs;
-}
-
 Answer ReadRaw(Link& link, const RegisterValue& value) {
   Words words{};
   const Request request = ReadRegisters(value.address, value.Registers());
-  Outcome outcome = link.Exchange(request, words, DeadlineNs());
+  Outcome outcome = link.Exchange(request, words, NowNs() + kPatienceNs);
   if (outcome == Outcome::kSilent) {
     // A serial line only falls silent in the exchange after one that failed.
-    outcome = link.Exchange(request, words, DeadlineNs());
+    outcome = link.Exchange(request, words, NowNs() + kPatienceNs);
   }
   if (outcome != Outcome::kAnswered) {
     return {.raw = {}, .failure = FailureOf(outcome) + " at register " + std::to_string(value.address)};

@@ -9,7 +9,6 @@
 #include <thread>
 
 #include "device/can/socketcand_bus.h"
-#include "device/can/wait.h"
 #include "device/canopen/canopen_drive.h"
 #include "device/canopen/frames.h"
 #include "tests/device/can/scripted_gateway.h"
@@ -150,14 +149,14 @@ TEST(SocketcandBusAllocation, NeitherSendingNorReceivingAllocates) {
   const uint64_t before = allocations.load();
   can::Frame frame;
   constexpr int64_t kLong = 2'000'000'000;
-  ASSERT_EQ(bus.Receive(frame, can::NowNs() + kLong), can::Reception::kFrame);
-  ASSERT_EQ(bus.Receive(frame, can::NowNs() + kLong), can::Reception::kFrame);
-  EXPECT_EQ(bus.Receive(frame, can::NowNs() + 1'000'000), can::Reception::kNothing);
+  ASSERT_EQ(bus.Receive(frame, NowNs() + kLong), can::Reception::kFrame);
+  ASSERT_EQ(bus.Receive(frame, NowNs() + kLong), can::Reception::kFrame);
+  EXPECT_EQ(bus.Receive(frame, NowNs() + 1'000'000), can::Reception::kNothing);
   for (int i = 0; i < 100; ++i) {
     EXPECT_TRUE(bus.Send({.identifier = 0x80}));
   }
   gateway.HangUp();
-  EXPECT_EQ(bus.Receive(frame, can::NowNs() + kLong), can::Reception::kLost);
+  EXPECT_EQ(bus.Receive(frame, NowNs() + kLong), can::Reception::kLost);
   EXPECT_FALSE(bus.Send({.identifier = 0x80}));
   EXPECT_EQ(allocations.load(), before);
 }
