@@ -17,11 +17,16 @@ LAYERS = {
     "server/exchange": (),
     "server/render": ("server/exchange/", "device/drive.h", "server/model/"),
     "server/gate": ("server/exchange/", "server/model/"),
-    "server/record": ("server/exchange/",),
+    # Derived columns are computed again by what computed them first: the estimators and the force law.
+    "server/record": ("server/exchange/", "server/model/estimator", "server/render/force_law.h", "server/render/limits.h",
+                      "SQLiteCpp/", "sqlite3.h", "zstd.h", "xxhash.h", "hdf5.h", "nlohmann/"),
     "server/rpc": ("server/gate/", "server/record/", "server/model/", "server/exchange/") + PROTO,
     # Reads the host's own files and nothing of the server's, so that it can judge a host before anything runs.
     "server/doctor": ("nlohmann/",),
     "client": ("server/model/", "CLI/", "nlohmann/") + PROTO,
+    # Files of sessions, read without a server.
+    "client/cli/session": ("client/cli/", "server/model/", "server/record/", "server/exchange/crossing.h", "CLI/",
+                           "nlohmann/"),
     # The server's services without a server, for the command line: the same code is the only way to the same numbers.
     "client/cli/offline": ("client/", "server/") + PROTO,
     # The server's links without a server, for `mwidth drive probe`.
