@@ -1,6 +1,7 @@
 // What crosses between the loop and the rest of the server: settings in; status, samples and statistics out.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "server/exchange/mailbox.h"
@@ -119,6 +120,8 @@ struct Sample {
   bool slew_limited = false;
   /// The drive did not answer: position, velocity and acceleration are the last ones known.
   bool position_stale = false;
+  /// The drive was enabled and took the force.
+  bool force_taken = false;
   /// Ticks skipped since the start, this one's predecessors included.
   uint64_t missed_ticks = 0;
   double position = 0;
@@ -128,6 +131,11 @@ struct Sample {
   double mass = 0;
   /// What estimated the acceleration.
   Filter filter{};
+  /// The newest tick whose position is not stale, this one included; 0: none yet. Ticks count from 1.
+  uint64_t answered_tick = 0;
+  /// What the filter goes on from, beside `acceleration`: model::LowPassMemory. With it the samples after
+  /// this one can be computed again without those before.
+  std::array<double, 3> filter_memory{};
 };
 
 /// About 4 s of samples at 1 kHz: what the record may lag behind before samples are dropped, and counted.

@@ -11,6 +11,16 @@
 
 namespace mwidth::model {
 
+/// All that an AccelerationEstimator goes on from, beside its period and its filter.
+struct EstimatorMemory {
+  double position = 0;
+  double velocity = 0;
+  double acceleration = 0;
+  LowPassMemory low_pass{};
+  /// False until it has seen a position.
+  bool primed = false;
+};
+
 /// C(z) of what AccelerationEstimator runs from positions. Precondition: Runs(kind, period_s, cutoff_hz), and
 /// not IsAccelerometer(kind), of which accelerometer.h has the factors. Any thread. Rt.
 EstimatorFactors FactorsOf(EstimatorKind kind, double period_s, double cutoff_hz) noexcept;
@@ -73,6 +83,23 @@ class AccelerationEstimator {
     return acceleration_;
   }
 
+  EstimatorMemory Memory() const noexcept {
+    EstimatorMemory memory{
+        .position = position_, .velocity = velocity_, .acceleration = acceleration_, .primed = primed_};
+    OnLowPass(low_pass_, [&memory](const auto& low_pass) { memory.low_pass = low_pass.Memory(); });
+    return memory;
+  }
+
+  /// Goes on from where another of the same period and filter had that Memory(), bit for bit.
+  void Restore(const EstimatorMemory& memory) noexcept {
+    position_ = memory.position;
+    velocity_ = memory.velocity;
+    acceleration_ = memory.acceleration;
+    primed_ = memory.primed;
+    OnLowPass(low_pass_,
+              [&memory](auto& low_pass) { low_pass.Restore(memory.acceleration, memory.low_pass); });
+  }
+
   double position() const noexcept { return position_; }
   /// First backward difference, unfiltered: the mean over the last period or gap.
   double velocity() const noexcept { return velocity_; }
@@ -84,26 +111,26 @@ class AccelerationEstimator {
 
   static LowPass MakeLowPass(EstimatorKind kind, double period_s, double cutoff_hz) noexcept;
   // std::visit, which may throw, without its throw.
-  template <typename Function>
-  void OnLowPass(const Function& function) noexcept {
-    if (auto* first_order = std::get_if<FirstOrderLowPass>(&low_pass_)) {
+  template <typename Variant, typename Function>
+  static void OnLowPass(Variant& low_pass, const Function& function) noexcept {
+    if (auto* first_order = std::get_if<FirstOrderLowPass>(&low_pass)) {
       function(*first_order);
-    } else if (auto* late = std::get_if<LateFirstOrderLowPass>(&low_pass_)) {
+    } else if (auto* late = std::get_if<LateFirstOrderLowPass>(&low_pass)) {
       function(*late);
-    } else if (auto* butterworth = std::get_if<ButterworthLowPass>(&low_pass_)) {
+    } else if (auto* butterworth = std::get_if<ButterworthLowPass>(&low_pass)) {
       function(*butterworth);
-    } else if (auto* kalman = std::get_if<KalmanLowPass>(&low_pass_)) {
+    } else if (auto* kalman = std::get_if<KalmanLowPass>(&low_pass)) {
       function(*kalman);
-    } else if (auto* direct = std::get_if<DirectSignal>(&low_pass_)) {
+    } else if (auto* direct = std::get_if<DirectSignal>(&low_pass)) {
       function(*direct);
     }
   }
   void Filter(double difference) noexcept {
-    OnLowPass([this, difference](auto& low_pass) { acceleration_ = low_pass.Update(difference); });
+    OnLowPass(low_pass_, [this, difference](auto& low_pass) { acceleration_ = low_pass.Update(difference); });
   }
   void Settle(double acceleration) noexcept {
     acceleration_ = acceleration;
-    OnLowPass([acceleration](auto& low_pass) { low_pass.Settle(acceleration); });
+    OnLowPass(low_pass_, [acceleration](auto& low_pass) { low_pass.Settle(acceleration); });
   }
 
   double period_s_;

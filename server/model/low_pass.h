@@ -4,9 +4,11 @@
 // Each is one small type. Factors is its transfer function C(z), double difference included; the recurrence
 // of Update takes its coefficients from there, so that what is certified is what runs. Update takes d(k) in
 // m/s^2 or rad/s^2 and returns the estimate; Settle makes the filter what a long constant acceleration would
-// have made it. One thread; all Rt. The periods and cut-offs are those that Runs(kind, ..) allows.
+// have made it. Memory is what Update goes on from beside its last estimate, and Restore takes both up again.
+// One thread; all Rt. The periods and cut-offs are those that Runs(kind, ..) allows.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -14,11 +16,17 @@
 
 namespace mwidth::model {
 
+/// Each filter has its own use for these, beginning with the first; the rest are 0. In units of acceleration,
+/// or of its change in one tick.
+using LowPassMemory = std::array<double, 3>;
+
 /// No filter: what an accelerometer tells, as it is.
 class DirectSignal {
  public:
   static double Update(double acceleration) noexcept { return acceleration; }
   static void Settle(double) noexcept {}
+  static LowPassMemory Memory() noexcept { return {}; }
+  static void Restore(double, const LowPassMemory&) noexcept {}
 };
 
 /// The paper's H(z) = (1 - a) z / (z - a), a = e^(-w0 T) (eq. 4):
@@ -44,6 +52,8 @@ class FirstOrderLowPass {
     return acceleration_;
   }
   void Settle(double acceleration) noexcept { acceleration_ = acceleration; }
+  static LowPassMemory Memory() noexcept { return {}; }
+  void Restore(double acceleration, const LowPassMemory&) noexcept { acceleration_ = acceleration; }
 
  private:
   double pole_;
@@ -71,6 +81,12 @@ class LateFirstOrderLowPass {
     prompt_.Settle(acceleration);
     filtered_ = acceleration;
   }
+  /// The prompt value.
+  LowPassMemory Memory() const noexcept { return {filtered_}; }
+  void Restore(double, const LowPassMemory& memory) noexcept {
+    prompt_.Settle(memory[0]);
+    filtered_ = memory[0];
+  }
 
  private:
   FirstOrderLowPass prompt_;
@@ -93,8 +109,10 @@ class SecondOrderLowPass {
     level_ += rate_;
     return level_;
   }
-  void Settle(double level) noexcept {
-    rate_ = 0;
+  void Settle(double level) noexcept { Restore(level, 0); }
+  double rate() const noexcept { return rate_; }
+  void Restore(double level, double rate) noexcept {
+    rate_ = rate;
     level_ = level;
   }
 
@@ -137,6 +155,13 @@ class ButterworthLowPass {
     last_ = before_ = acceleration;
     section_.Settle(acceleration);
   }
+  /// The rate of the section, the difference last seen, and the one before.
+  LowPassMemory Memory() const noexcept { return {section_.rate(), last_, before_}; }
+  void Restore(double acceleration, const LowPassMemory& memory) noexcept {
+    section_.Restore(acceleration, memory[0]);
+    last_ = memory[1];
+    before_ = memory[2];
+  }
 
  private:
   SecondOrderLowPass section_;
@@ -175,6 +200,12 @@ class KalmanLowPass {
   void Settle(double acceleration) noexcept {
     filtered_ = acceleration;
     section_.Settle(acceleration);
+  }
+  /// The rate of the section, and what goes into it.
+  LowPassMemory Memory() const noexcept { return {section_.rate(), filtered_}; }
+  void Restore(double acceleration, const LowPassMemory& memory) noexcept {
+    section_.Restore(acceleration, memory[0]);
+    filtered_ = memory[1];
   }
 
  private:

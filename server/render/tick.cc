@@ -106,6 +106,7 @@ void Tick::Command(double mass) noexcept {
   supervisor_.ReportForce(force_);
   const bool taken = !supervisor_.drive_enabled() || drive_.Write(force_.counts);
   supervisor_.ReportWrite(taken);
+  force_taken_ = taken && supervisor_.drive_enabled();
   if (!supervisor_.drive_enabled()) {
     force_ = {};  // The last answer that was missing came in this tick, and the force was taken away again.
     acting_counts_ = 0;
@@ -124,13 +125,16 @@ void Tick::PostSample(uint64_t tick, int64_t now_ns, bool stale) noexcept {
                           .saturated = force_.saturated,
                           .slew_limited = force_.slew_limited,
                           .position_stale = stale,
+                          .force_taken = force_taken_,
                           .missed_ticks = missed_ticks_,
                           .position = position_,
                           .velocity = estimator_.velocity(),
                           .acceleration = estimator_.acceleration(),
                           .force = force_.counts * info_.force_quantum,
                           .mass = supervisor_.mass(),
-                          .filter = filter_});
+                          .filter = filter_,
+                          .answered_tick = answered_tick_,
+                          .filter_memory = estimator_.Memory().low_pass});
 }
 
 void Tick::PostStatus(uint64_t tick, int64_t now_ns) noexcept {

@@ -21,8 +21,11 @@ namespace mwidth::render {
 /// with the acceleration_counts * acceleration_quantum of those ticks where that reads an accelerometer, as
 /// the sample's filter, into which it changes (ChangedTo) before its first estimate; force = force_counts *
 /// force_quantum, and force_counts is mass * acceleration, rounded to counts, limited in size and in its
-/// step from the force that the drive last took: the force that the drive was given. Its position_counts are
-/// continuous where the drive's counter wraps. The loop's thread, except the constructor; all but that is Rt.
+/// step from the force that the drive last took (of those with force_taken): the force that the drive was
+/// given. Its position_counts are continuous where the drive's counter wraps. From any sample on all this can
+/// be computed again without those before it: position, velocity, acceleration and filter_memory are the
+/// estimator's Memory(), primed where answered_tick is not 0. The loop's thread, except the constructor; all
+/// but that is Rt.
 class Tick {
  public:
   /// Settings that were posted before are history, taken by another loop or not: see Supervisor.
@@ -68,6 +71,7 @@ class Tick {
   ForceCommand force_;
   // The last force that the drive took.
   int32_t acting_counts_ = 0;
+  bool force_taken_ = false;
   Counter counter_;
   int64_t position_counts_ = 0;
   double position_ = 0;

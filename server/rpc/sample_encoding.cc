@@ -23,6 +23,7 @@ void Reserve(int samples, v1::SampleBatch& columns) {
   columns.mutable_force_counts()->Reserve(samples);
   columns.mutable_position_stale()->Reserve(samples);
   columns.mutable_acceleration_counts()->Reserve(samples);
+  columns.mutable_force_taken()->Reserve(samples);
 }
 
 void Append(const exchange::Sample& sample, v1::SampleBatch& columns) {
@@ -38,6 +39,7 @@ void Append(const exchange::Sample& sample, v1::SampleBatch& columns) {
   columns.add_force_counts(sample.force_counts);
   columns.add_position_stale(sample.position_stale);
   columns.add_acceleration_counts(sample.acceleration_counts);
+  columns.add_force_taken(sample.force_taken);
 }
 
 }  // namespace

@@ -195,6 +195,42 @@ TEST(AccelerationEstimatorTest, RunsLikeTheOneThatItChangedInto) {
   }
 }
 
+TEST(AccelerationEstimatorTest, RestoredFromItsMemoryGoesOnBitForBit) {
+  const std::vector<double> positions = RandomWalk(2000);
+  std::vector<EstimatorKind> kinds(kEstimatorKinds.begin(), kEstimatorKinds.end());
+  kinds.insert(kinds.end(), kAccelerometerKinds.begin(), kAccelerometerKinds.end());
+  std::mt19937_64 random(7);
+  std::uniform_int_distribution<int> one_of_fifty(0, 49);
+  for (const EstimatorKind from : kinds) {
+    for (const EstimatorKind to : kinds) {
+      AccelerationEstimator running(kPeriodS, kCutoffHz, from);
+      AccelerationEstimator restored(kPeriodS, kCutoffHz, from);
+      EXPECT_FALSE(running.Memory().primed);
+      for (std::size_t k = 0; k < positions.size(); ++k) {
+        if (k == 1000) {
+          running = running.ChangedTo(to, 37);
+          restored = AccelerationEstimator(kPeriodS, 37, to);
+          restored.Restore(running.Memory());
+        }
+        if (one_of_fifty(random) == 0) {
+          restored = k < 1000 ? AccelerationEstimator(kPeriodS, kCutoffHz, from)
+                              : AccelerationEstimator(kPeriodS, 37, to);
+          restored.Restore(running.Memory());
+        }
+        const uint64_t periods = one_of_fifty(random) == 0 ? 5 : 1;
+        const double sensed = 100 * positions[k];
+        const double expected = running.Update(positions[k], periods, sensed);
+        ASSERT_EQ(std::bit_cast<uint64_t>(restored.Update(positions[k], periods, sensed)),
+                  std::bit_cast<uint64_t>(expected))
+            << Name(from) << " to " << Name(to) << " at " << k;
+        ASSERT_EQ(restored.velocity(), running.velocity());
+        ASSERT_EQ(restored.Memory().low_pass, running.Memory().low_pass);
+      }
+      EXPECT_TRUE(restored.Memory().primed);
+    }
+  }
+}
+
 TEST(AccelerationEstimatorTest, ThatHasSeenNothingTakesTheFirstPositionAsRestAlsoOnceChanged) {
   AccelerationEstimator changed =
       AccelerationEstimator(kPeriodS, kCutoffHz).ChangedTo(EstimatorKind::kKalman, 20);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -85,6 +86,57 @@ TEST(TickTest, LeavesSamplesFromWhichEverythingFollowsBitForBit) {
     ASSERT_EQ(sample.saturated, force.saturated);
     ASSERT_EQ(sample.state, State::kRendering);
   }
+}
+
+TEST(TickTest, LeavesSamplesFromAnyOfWhichTheNextFollowBitForBit) {
+  constexpr std::array kKinds{model::EstimatorKind::kKalman, model::EstimatorKind::kButterworth,
+                              model::EstimatorKind::kLateFilteredDifference,
+                              model::EstimatorKind::kFilteredDifference};
+  Axis axis;
+  axis.drive.answers_reads = false;
+  Sample last = axis.Run();
+  EXPECT_EQ(last.answered_tick, 0);
+  for (int i = 0; i < 2000; ++i) {
+    if (i % 400 == 100) {
+      axis.settings.filter = {
+          .estimator = static_cast<uint8_t>(kKinds[static_cast<std::size_t>(i / 400) % 4]), .cutoff_hz = 20};
+      axis.Post();
+    }
+    axis.drive.answers_reads = i % 50 >= 3;
+    const Sample sample = axis.Swing(i % 40 == 3 ? 2 : 0);
+    model::AccelerationEstimator estimator(axis.config.period_s, last.filter.cutoff_hz,
+                                           static_cast<model::EstimatorKind>(last.filter.estimator));
+    estimator.Restore({.position = last.position,
+                       .velocity = last.velocity,
+                       .acceleration = last.acceleration,
+                       .low_pass = last.filter_memory,
+                       .primed = last.answered_tick != 0});
+    if (sample.filter != last.filter) {
+      estimator = estimator.ChangedTo(static_cast<model::EstimatorKind>(sample.filter.estimator),
+                                      sample.filter.cutoff_hz);
+    }
+    if (!sample.position_stale) {
+      estimator.Update(sample.position, sample.tick - last.answered_tick);
+    }
+    ASSERT_TRUE(SameBits(sample.velocity, estimator.velocity())) << i;
+    ASSERT_TRUE(SameBits(sample.acceleration, estimator.acceleration())) << i;
+    ASSERT_EQ(sample.filter_memory, estimator.Memory().low_pass) << i;
+    ASSERT_EQ(sample.answered_tick, sample.position_stale ? last.answered_tick : sample.tick);
+    last = sample;
+  }
+  EXPECT_EQ(last.filter, axis.settings.filter);
+}
+
+TEST(TickTest, TellsWhetherTheDriveTookTheForce) {
+  Axis axis;
+  EXPECT_FALSE(axis.Swing().force_taken);
+  axis.RenderSwinging(0.3);
+  EXPECT_TRUE(axis.sample.force_taken);
+  axis.drive.takes_writes = false;
+  EXPECT_FALSE(axis.Swing().force_taken);
+  axis.drive.takes_writes = true;
+  EXPECT_TRUE(axis.Swing().force_taken);
+  EXPECT_EQ(axis.sample.force_counts, axis.drive.acting_counts);
 }
 
 TEST(TickTest, ClampsTheForceAndSaysSo) {

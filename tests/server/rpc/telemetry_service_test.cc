@@ -32,6 +32,7 @@ TEST_F(TelemetryServiceTest, StreamsEveryColumnOfASample) {
   sample.state = exchange::State::kRendering;
   sample.saturated = true;
   sample.position_stale = true;
+  sample.force_taken = true;
   sample.position = 0.5;
   sample.velocity = 0.6;
   sample.acceleration = 0.7;
@@ -58,6 +59,7 @@ TEST_F(TelemetryServiceTest, StreamsEveryColumnOfASample) {
   EXPECT_THAT(batch->position_counts(), ElementsAre(-3, 0));
   EXPECT_THAT(batch->force_counts(), ElementsAre(-4, 0));
   EXPECT_THAT(batch->acceleration_counts(), ElementsAre(-5, 0));
+  EXPECT_THAT(batch->force_taken(), ElementsAre(true, false));
 }
 
 TEST_F(TelemetryServiceTest, SendsTicksThatAreMultiplesOfTheDecimation) {
