@@ -9,6 +9,8 @@
 #include "device/modbus/modbus_drive.h"
 #include "device/simulated_drive.h"
 #include "server/describe_axis.h"
+#include "server/gate/figures.h"
+#include "server/gate/state_words.h"
 
 namespace mwidth::server {
 namespace {
@@ -93,21 +95,54 @@ Axis::Axis(const AxisConfig& config, const Config& server, const AxisOptions& op
       drive_(MakeDrive(config)),
       broadcast_({.max_subscribers = static_cast<std::size_t>(server.max_streams),
                   .max_queued_samples = static_cast<std::size_t>(server.stream_queue_samples)}),
-      drain_(crossing_.samples, {&broadcast_}, kDrainPeriod),
+      events_(*clock_),
+      loop_events_(events_,
+                   [this](exchange::State from, exchange::State to) { return DescribeChange(from, to); }),
+      drain_(crossing_.samples, {&broadcast_, &loop_events_}, kDrainPeriod),
       loop_(std::make_unique<render::Loop>(*drive_, crossing_, *clock_, MakeLoopConfig(config))) {
-  drain_.Start();
   render::RealtimeReport realtime = loop_->Start();
   render::AddRefusal(options.host_refusal, realtime);
   gate_ = std::make_unique<gate::AxisGate>(Describe(config, drive_->Info().simulated, realtime, options),
                                            crossing_, *clock_);
+  // Not before the gate is there, which it asks. What the ring cannot hold until then is of an idle axis.
+  drain_.Start();
 }
 
 Axis::~Axis() { Stop(); }
+
+rpc::Axis Axis::Served() {
+  return {.name = gate_->description().name,
+          .gate = *gate_,
+          .broadcast = broadcast_,
+          .events = events_,
+          .clock = *clock_};
+}
+
+record::StateNote Axis::DescribeChange(exchange::State from, exchange::State to) {
+  record::StateNote note{.message = "From " + gate::StateName(from) + " to " + gate::StateName(to) + ".",
+                         .metadata = {{"from", gate::StateName(from)}, {"to", gate::StateName(to)}}};
+  if (to == exchange::State::kFault) {
+    const exchange::FaultRecord fault = gate_->Status().fault;
+    note.message = gate::FaultMessage(fault);
+    note.metadata["fault"] = std::to_string(static_cast<int>(fault.fault));
+    note.metadata["value"] = gate::Figure(fault.value);
+    note.metadata["limit"] = gate::Figure(fault.limit);
+  } else if (from == exchange::State::kRendering && gate_->Controller().empty()) {
+    note.message += " Nobody has control: its lease was given back, or expired.";
+  }
+  return note;
+}
+
+void Axis::BeginStop() {
+  events_.Publish(record::EventKind::kServerStopping, "The server stops.");
+  loop_->BeginStop();
+}
 
 void Axis::Stop() {
   loop_->Stop();
   drain_.Stop();
   broadcast_.Close();
+  events_.Close();
 }
 
 }  // namespace mwidth::server

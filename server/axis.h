@@ -12,7 +12,10 @@
 #include "server/gate/axis_gate.h"
 #include "server/record/broadcast.h"
 #include "server/record/drain.h"
+#include "server/record/event_log.h"
+#include "server/record/loop_events.h"
 #include "server/render/loop.h"
+#include "server/rpc/axis_registry.h"
 
 namespace mwidth::server {
 
@@ -39,18 +42,23 @@ class Axis {
   ~Axis();
 
   /// Begins to ramp down what is rendered, and returns at once.
-  void BeginStop() { loop_->BeginStop(); }
+  void BeginStop();
   /// Ramps down what is rendered, then ends the loop, then the streams. Does no harm twice.
   void Stop();
 
-  gate::AxisGate& gate() { return *gate_; }
-  record::Broadcast& broadcast() { return broadcast_; }
+  /// What the services need of it; valid as long as the axis.
+  rpc::Axis Served();
+  const gate::AxisDescription& description() const { return gate_->description(); }
 
  private:
+  record::StateNote DescribeChange(exchange::State from, exchange::State to);
+
   std::unique_ptr<exchange::Clock> clock_;
   std::unique_ptr<device::Drive> drive_;
   exchange::Crossing crossing_;
   record::Broadcast broadcast_;
+  record::EventLog events_;
+  record::LoopEvents loop_events_;
   record::Drain drain_;
   std::unique_ptr<render::Loop> loop_;
   std::unique_ptr<gate::AxisGate> gate_;

@@ -121,9 +121,8 @@ void Serve(const server::Config& config, const std::vector<std::unique_ptr<serve
            const sigset_t& ending) {
   rpc::AxisRegistry registry;
   for (const auto& axis : axes) {
-    const auto& description = axis->gate().description();
-    registry.Add({description.name, axis->gate(), axis->broadcast()});
-    std::cerr << "axis " << description.name << ": " << description.realtime_message << '\n';
+    registry.Add(axis->Served());
+    std::cerr << "axis " << axis->description().name << ": " << axis->description().realtime_message << '\n';
   }
   rpc::Server server(registry, config.listen, MWIDTH_VERSION);
   std::cout << "listening on " << server.address() << std::endl;

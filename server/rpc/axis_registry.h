@@ -9,17 +9,26 @@
 namespace mwidth::gate {
 class AxisGate;
 }
+namespace mwidth::exchange {
+class Clock;
+}
 namespace mwidth::record {
 class Broadcast;
-}
+class EventLog;
+class SessionRecorder;
+}  // namespace mwidth::record
 
 namespace mwidth::rpc {
 
-/// What the services need of one axis; both outlive the server.
+/// What the services need of one axis; all of it outlives the server.
 struct Axis {
   std::string name;
   gate::AxisGate& gate;
   record::Broadcast& broadcast;
+  record::EventLog& events;
+  const exchange::Clock& clock;
+  /// nullptr: nothing is recorded here.
+  record::SessionRecorder* recorder = nullptr;
 };
 
 /// Filled before the server starts, then only read: any thread.

@@ -3,13 +3,12 @@
 
 #include <string>
 
-#include "server/gate/axis_gate.h"
 #include "server/rpc/axis_registry.h"
 #include "server/rpc/status.h"
 
 namespace mwidth::rpc {
 
-/// Runs `command(gate)`, which returns a gate::Result, on the axis named `name`; then either `fill(value)` or
+/// Runs `command(axis)`, which returns a gate::Result, on the axis named `name`; then either `fill(value)` or
 /// the refusal's status. INTERNAL where anything throws.
 template <typename Command, typename Fill>
 grpc::Status OnAxis(const char* method, const AxisRegistry& axes, const std::string& name,
@@ -19,7 +18,7 @@ grpc::Status OnAxis(const char* method, const AxisRegistry& axes, const std::str
     if (!axis.ok()) {
       return ToStatus(axis.refusal());
     }
-    const auto result = command((*axis)->gate);
+    const auto result = command(**axis);
     if (!result.ok()) {
       return ToStatus(result.refusal());
     }

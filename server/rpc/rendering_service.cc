@@ -2,49 +2,21 @@
 
 #include <algorithm>
 #include <iostream>
-#include <memory>
 #include <utility>
 
 #include "server/gate/axis_gate.h"
+#include "server/rpc/command_events.h"
 #include "server/rpc/convert.h"
 #include "server/rpc/convert_analysis.h"
-#include "server/rpc/convert_statistics.h"
+#include "server/rpc/describe_state.h"
 #include "server/rpc/on_axis.h"
 
 namespace mwidth::rpc {
 namespace {
 
 using exchange::LoopStatus;
-using gate::AxisGate;
 
 constexpr std::size_t kMaxReasonBytes = 200;
-
-void Describe(AxisGate& gate, v1::AxisState& message) {
-  const gate::AxisDescription& axis = gate.description();
-  const LoopStatus status = gate.Status();
-  const std::shared_ptr<const gate::StabilityGate> stability = gate.stability();
-  Convert(axis, *message.mutable_info());
-  Convert(stability->loop(), *message.mutable_info()->mutable_loop());
-  message.set_state(Convert(status.state));
-  if (status.state == exchange::State::kFault) {
-    Convert(status.fault, *message.mutable_fault());
-  }
-  message.set_tick(status.tick);
-  message.set_position(status.position);
-  message.set_velocity(status.velocity);
-  message.set_force(status.force);
-  message.set_mass(status.mass);
-  message.set_target_mass(status.target_mass);
-  message.set_missed_ticks(status.missed_ticks);
-  message.set_saturated_ticks(status.saturated_ticks);
-  message.set_slew_limited_ticks(status.slew_limited_ticks);
-  message.set_dropped_samples(gate.dropped_samples());
-  message.set_controller(gate.Controller());
-  message.set_realtime(axis.realtime);
-  message.set_realtime_message(axis.realtime_message);
-  Convert(stability->range(), *message.mutable_m_width());
-  Convert(gate.tick_statistics(), *message.mutable_tick_statistics());
-}
 
 /// On one line of the log, whatever a client sent.
 std::string Printable(std::string text) {
@@ -123,7 +95,11 @@ grpc::Status RenderingService::AcquireControl(grpc::ServerContext*, const v1::Ac
   const double ttl_s = request->has_ttl() ? Seconds(request->ttl()) : gate::kDefaultLeaseTtlS;
   return OnAxis(
       "AcquireControl", axes_, request->axis(),
-      [&](AxisGate& gate) { return gate.AcquireControl(request->client_name(), ttl_s); },
+      [&](const Axis& axis) {
+        auto lease = axis.gate.AcquireControl(request->client_name(), ttl_s);
+        TellControl(axis, lease);
+        return lease;
+      },
       [&](const gate::Lease& lease) { Convert(lease, *response->mutable_lease()); });
 }
 
@@ -131,7 +107,7 @@ grpc::Status RenderingService::RenewControl(grpc::ServerContext*, const v1::Rene
                                             v1::RenewControlResponse* response) {
   return OnAxis(
       "RenewControl", axes_, request->axis(),
-      [&](AxisGate& gate) { return gate.RenewControl(request->lease_id()); },
+      [&](const Axis& axis) { return axis.gate.RenewControl(request->lease_id()); },
       [&](const gate::Lease& lease) { Convert(lease, *response->mutable_lease()); });
 }
 
@@ -139,14 +115,22 @@ grpc::Status RenderingService::ReleaseControl(grpc::ServerContext*, const v1::Re
                                               v1::ReleaseControlResponse*) {
   return OnAxis(
       "ReleaseControl", axes_, request->axis(),
-      [&](AxisGate& gate) { return gate.ReleaseControl(request->lease_id()); }, [](const LoopStatus&) {});
+      [&](const Axis& axis) {
+        const std::string holder = axis.gate.Controller();
+        auto released = axis.gate.ReleaseControl(request->lease_id());
+        if (released.ok()) {
+          TellRelease(axis, holder);
+        }
+        return released;
+      },
+      [](const LoopStatus&) {});
 }
 
 grpc::Status RenderingService::StartRendering(grpc::ServerContext*, const v1::StartRenderingRequest* request,
                                               v1::StartRenderingResponse* response) {
   return OnAxis(
       "StartRendering", axes_, request->axis(),
-      [&](AxisGate& gate) { return gate.StartRendering(request->lease_id()); },
+      [&](const Axis& axis) { return axis.gate.StartRendering(request->lease_id()); },
       [&](const LoopStatus& status) {
         response->set_state(Convert(status.state));
         response->set_tick(status.tick);
@@ -157,7 +141,7 @@ grpc::Status RenderingService::StopRendering(grpc::ServerContext*, const v1::Sto
                                              v1::StopRenderingResponse* response) {
   return OnAxis(
       "StopRendering", axes_, request->axis(),
-      [&](AxisGate& gate) { return gate.StopRendering(request->lease_id()); },
+      [&](const Axis& axis) { return axis.gate.StopRendering(request->lease_id()); },
       [&](const LoopStatus& status) {
         response->set_state(Convert(status.state));
         response->set_tick(status.tick);
@@ -172,7 +156,11 @@ grpc::Status RenderingService::SetMass(grpc::ServerContext*, const v1::SetMassRe
       .ramp_s = request->has_ramp() ? Seconds(request->ramp()) : gate::kDefaultRampS};
   return OnAxis(
       "SetMass", axes_, request->axis(),
-      [&](AxisGate& gate) { return gate.SetMass(request->lease_id(), mass); },
+      [&](const Axis& axis) {
+        auto answer = axis.gate.SetMass(request->lease_id(), mass);
+        TellMass(axis, mass, answer);
+        return answer;
+      },
       [&](const gate::MassGrant& grant) {
         response->set_mass(grant.mass);
         Convert(grant.stability, *response->mutable_stability());
@@ -185,15 +173,17 @@ grpc::Status RenderingService::SetFilter(grpc::ServerContext*, const v1::SetFilt
                                          v1::SetFilterResponse* response) {
   return OnAxis(
       "SetFilter", axes_, request->axis(),
-      [&](AxisGate& gate) -> gate::Result<gate::FilterGrant> {
+      [&](const Axis& axis) -> gate::Result<gate::FilterGrant> {
         if (auto refusal = CheckEstimator(request->estimator())) {
           return *std::move(refusal);
         }
-        const model::EstimatorKind running = gate.stability()->loop().estimator;
-        return gate.SetFilter(request->lease_id(),
-                              {.estimator = Estimator(request->estimator()).value_or(running),
-                               .cutoff_hz = request->cutoff_hz(),
-                               .validate_only = request->validate_only()});
+        const model::EstimatorKind running = axis.gate.stability()->loop().estimator;
+        auto answer = axis.gate.SetFilter(request->lease_id(),
+                                          {.estimator = Estimator(request->estimator()).value_or(running),
+                                           .cutoff_hz = request->cutoff_hz(),
+                                           .validate_only = request->validate_only()});
+        TellFilter(axis, request->validate_only(), answer);
+        return answer;
       },
       [&](const gate::FilterGrant& grant) {
         Convert(grant.loop, *response->mutable_loop());
@@ -211,8 +201,12 @@ grpc::Status RenderingService::EmergencyStop(grpc::ServerContext* context,
     for (const Axis& axis : axes_.axes()) {
       posted.push_back(axis.gate.PostEmergencyStop());
     }
-    std::cerr << "mwidthd: emergency stop by " << context->peer() << ", axis '" << Printable(request->axis())
-              << "': " << Printable(request->reason()) << std::endl;
+    const std::string by = context->peer() + ", axis '" + Printable(request->axis()) + "'";
+    const std::string reason = Printable(request->reason());
+    std::cerr << "mwidthd: emergency stop by " << by << ": " << reason << std::endl;
+    for (const Axis& axis : axes_.axes()) {
+      TellEmergencyStop(axis, by, reason);
+    }
     std::vector<gate::Result<LoopStatus>> answers;
     for (std::size_t i = 0; i < posted.size(); ++i) {
       answers.push_back(axes_.axes()[i].gate.AwaitEmergencyStop(posted[i]));
@@ -225,7 +219,7 @@ grpc::Status RenderingService::ClearFault(grpc::ServerContext*, const v1::ClearF
                                           v1::ClearFaultResponse* response) {
   return OnAxis(
       "ClearFault", axes_, request->axis(),
-      [&](AxisGate& gate) { return gate.ClearFault(request->lease_id()); },
+      [&](const Axis& axis) { return axis.gate.ClearFault(request->lease_id()); },
       [&](const LoopStatus& status) { response->set_state(Convert(status.state)); });
 }
 

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "server/gate/axis_gate.h"
 #include "server/gate/stability_gate.h"
 #include "server/model/margins.h"
 #include "server/rpc/convert.h"
@@ -78,7 +79,8 @@ grpc::Status StabilityService::GetMWidth(grpc::ServerContext*, const v1::GetMWid
                                          v1::GetMWidthResponse* response) {
   return OnAxis(
       "GetMWidth", axes_, request->axis(),
-      [&](gate::AxisGate& gate) -> gate::Result<gate::StabilityGate> {
+      [&](const Axis& axis) -> gate::Result<gate::StabilityGate> {
+        gate::AxisGate& gate = axis.gate;
         if (AsksOfTheAxisItself(*request)) {
           return *gate.stability();
         }
@@ -141,7 +143,7 @@ grpc::Status StabilityService::GetFrequencyResponse(grpc::ServerContext*,
                                                     v1::GetFrequencyResponseResponse* response) {
   return OnAxis(
       "GetFrequencyResponse", axes_, request->axis(),
-      [&](gate::AxisGate& gate) { return Read(gate.stability()->loop(), *request); },
+      [&](const Axis& axis) { return Read(axis.gate.stability()->loop(), *request); },
       [&](const FrequencyResponseQuery& query) {
         Convert(query.loop, *response->mutable_loop());
         Convert(model::ComputeBode(query.loop, query.mass, query.frequencies, query.model), *response);

@@ -1,5 +1,6 @@
 #include "server/rpc/telemetry_service.h"
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -8,9 +9,13 @@
 #include <grpcpp/impl/codegen/proto_utils.h>
 #include <grpcpp/support/server_callback.h>
 
+#include "server/exchange/clock.h"
 #include "server/gate/axis_gate.h"
 #include "server/gate/invalid_number.h"
 #include "server/gate/refusal.h"
+#include "server/record/event_log.h"
+#include "server/rpc/convert_record.h"
+#include "server/rpc/event_stream.h"
 #include "server/rpc/sample_stream.h"
 #include "server/rpc/status.h"
 
@@ -20,13 +25,6 @@ namespace {
 constexpr uint32_t kDefaultBatch = 100;
 constexpr uint32_t kMaxBatch = 1000;
 constexpr uint32_t kMaxDecimation = 10'000;
-
-/// A call that was refused: finishes at once.
-class RefusedStream final : public grpc::ServerWriteReactor<grpc::ByteBuffer> {
- public:
-  explicit RefusedStream(grpc::Status status) { Finish(std::move(status)); }
-  void OnDone() override { delete this; }  // NOLINT(cppcoreguidelines-owning-memory): reactors own themselves
-};
 
 std::optional<gate::Refusal> CheckRange(const std::string& field, uint32_t value, uint32_t max) {
   if (value <= max) {
@@ -79,7 +77,43 @@ grpc::ServerWriteReactor<grpc::ByteBuffer>* TelemetryService::StreamSamples(
   if (stream != nullptr) {
     return stream;
   }
-  return new RefusedStream(status);
+  return new RefusedStream<grpc::ByteBuffer>(status);
+}
+
+grpc::ServerWriteReactor<v1::StreamEventsResponse>* TelemetryService::StreamEvents(
+    grpc::CallbackServerContext* /*context*/, const v1::StreamEventsRequest* request) {
+  EventStream* stream = nullptr;
+  const grpc::Status status = Guarded("StreamEvents", [&]() -> grpc::Status {
+    const gate::Result<const Axis*> axis = axes_.Find(request->axis());
+    if (!axis.ok()) {
+      return ToStatus(axis.refusal());
+    }
+    record::EventLog& events = (*axis)->events;
+    const uint64_t after = request->has_after_number() ? request->after_number() : events.newest();
+    stream = EventStream::Open((*axis)->name, events, after);
+    return grpc::Status::OK;
+  });
+  if (stream != nullptr) {
+    return stream;
+  }
+  return new RefusedStream<v1::StreamEventsResponse>(status);
+}
+
+grpc::Status TelemetryService::SyncClock(grpc::ServerContext*, const v1::SyncClockRequest* request,
+                                         v1::SyncClockResponse* response) {
+  return Guarded("SyncClock", [&] {
+    const gate::Result<const Axis*> axis = axes_.Find(request->axis());
+    if (!axis.ok()) {
+      return ToStatus(axis.refusal());
+    }
+    response->set_server_receive_ns((*axis)->clock.NowNs());
+    response->set_client_send_ns(request->client_send_ns());
+    const auto wall = std::chrono::system_clock::now().time_since_epoch();
+    *response->mutable_wall_time() =
+        WallTime(std::chrono::duration_cast<std::chrono::nanoseconds>(wall).count());
+    response->set_server_send_ns((*axis)->clock.NowNs());
+    return grpc::Status::OK;
+  });
 }
 
 }  // namespace mwidth::rpc

@@ -1,4 +1,4 @@
-// What a client may watch: every sample of the loop, as it happens.
+// What a client may watch: every sample of the loop, and every event, as it happens.
 #pragma once
 
 #include <grpcpp/server_context.h>
@@ -15,13 +15,18 @@ namespace mwidth::rpc {
 /// also refuses bytes that are no request with INTERNAL, as gRPC does elsewhere; its callback API would say
 /// UNIMPLEMENTED.
 class TelemetryService final
-    : public v1::TelemetryService::WithRawCallbackMethod_StreamSamples<v1::TelemetryService::Service> {
+    : public v1::TelemetryService::WithRawCallbackMethod_StreamSamples<
+          v1::TelemetryService::WithCallbackMethod_StreamEvents<v1::TelemetryService::Service>> {
  public:
   /// `axes` outlives the server.
   explicit TelemetryService(const AxisRegistry& axes);
 
   grpc::ServerWriteReactor<grpc::ByteBuffer>* StreamSamples(grpc::CallbackServerContext* context,
                                                             const grpc::ByteBuffer* request) override;
+  grpc::ServerWriteReactor<v1::StreamEventsResponse>* StreamEvents(
+      grpc::CallbackServerContext* context, const v1::StreamEventsRequest* request) override;
+  grpc::Status SyncClock(grpc::ServerContext* context, const v1::SyncClockRequest* request,
+                         v1::SyncClockResponse* response) override;
 
  private:
   const AxisRegistry& axes_;

@@ -12,6 +12,7 @@
 #include "server/exchange/crossing.h"
 #include "server/gate/axis_gate.h"
 #include "server/record/broadcast.h"
+#include "server/record/event_log.h"
 #include "server/rpc/axis_registry.h"
 #include "server/rpc/rendering_service.h"
 #include "server/rpc/stability_service.h"
@@ -26,6 +27,7 @@ struct Axis {
   exchange::MonotonicClock clock;
   exchange::Crossing crossing;
   record::Broadcast broadcast;
+  record::EventLog events{clock};
   gate::AxisGate gate;
 };
 
@@ -35,7 +37,11 @@ struct OfflineServer::Parts {
   explicit Parts(const server::Config& config) {
     for (const auto& axis : config.axes) {
       auto& added = axes.emplace_back(axis);
-      registry.Add({.name = axis.name, .gate = added.gate, .broadcast = added.broadcast});
+      registry.Add({.name = axis.name,
+                    .gate = added.gate,
+                    .broadcast = added.broadcast,
+                    .events = added.events,
+                    .clock = added.clock});
     }
     grpc::ServerBuilder builder;
     builder.RegisterService(&rendering);

@@ -60,13 +60,15 @@ T Granted(gate::Result<T> result) {
 
 ServerRig::ServerRig(WatchedClock& clock, double period_s, const render::RealtimeConfig& realtime)
     : broadcast_({.max_subscribers = kMaxStreams, .max_queued_samples = kQueuedSamples}),
+      events_(clock),
       drain_(crossing_.samples, {&broadcast_}, kDrainPeriod),
       loop_(drive_, crossing_, clock, LoopOf(Joint(period_s), realtime)),
       realtime_(loop_.Start()),
       gate_(Joint(period_s), crossing_, clock),
-      registry_([this] {
+      registry_([this, &clock] {
         rpc::AxisRegistry registry;
-        registry.Add({"joint", gate_, broadcast_});
+        registry.Add(
+            {.name = "joint", .gate = gate_, .broadcast = broadcast_, .events = events_, .clock = clock});
         return registry;
       }()),
       server_(registry_, "127.0.0.1:0", "bench") {

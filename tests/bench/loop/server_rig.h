@@ -8,6 +8,7 @@
 #include "server/gate/axis_gate.h"
 #include "server/record/broadcast.h"
 #include "server/record/drain.h"
+#include "server/record/event_log.h"
 #include "server/render/loop.h"
 #include "server/rpc/axis_registry.h"
 #include "server/rpc/server.h"
@@ -37,6 +38,7 @@ class ServerRig {
   ReplayDrive drive_;
   exchange::Crossing crossing_;
   record::Broadcast broadcast_;
+  record::EventLog events_;
   record::Drain drain_;
   render::Loop loop_;
   render::RealtimeReport realtime_;

@@ -19,6 +19,7 @@
 #include "mwidth/v1/stability.grpc.pb.h"
 #include "server/gate/axis_gate.h"
 #include "server/record/broadcast.h"
+#include "server/record/event_log.h"
 #include "server/rpc/axis_registry.h"
 #include "server/rpc/server.h"
 #include "tests/server/gate/axis_fixture.h"
@@ -32,7 +33,10 @@ class TickingAxis {
   explicit TickingAxis(const std::string& name);
   ~TickingAxis();
 
-  Axis Registered() { return {.name = name_, .gate = gate_, .broadcast = broadcast_}; }
+  Axis Registered() {
+    return {.name = name_, .gate = gate_, .broadcast = broadcast_, .events = events_, .clock = clock_};
+  }
+  record::EventLog& events() { return events_; }
   /// The loop answers no more.
   void Silence() { silent_ = true; }
   void AdvanceS(double seconds) { clock_.AdvanceS(seconds); }
@@ -48,6 +52,7 @@ class TickingAxis {
   std::unique_ptr<exchange::Crossing> crossing_ = std::make_unique<exchange::Crossing>();
   gate::AxisGate gate_;
   record::Broadcast broadcast_;
+  record::EventLog events_{clock_};
   std::mutex loop_mutex_;
   gate::FakeLoop loop_;
   std::atomic<bool> silent_{false};

@@ -14,6 +14,7 @@
 #include "server/exchange/crossing.h"
 #include "server/gate/axis_gate.h"
 #include "server/record/broadcast.h"
+#include "server/record/event_log.h"
 #include "server/rpc/axis_registry.h"
 #include "server/rpc/telemetry_service.h"
 #include "tests/server/gate/axis_fixture.h"
@@ -78,7 +79,7 @@ class Stream {
 class TelemetryFixture : public testing::Test {
  protected:
   TelemetryFixture() {
-    axes_.Add({.name = "elbow", .gate = gate_, .broadcast = broadcast_});
+    axes_.Add({.name = "elbow", .gate = gate_, .broadcast = broadcast_, .events = events_, .clock = clock_});
     grpc::ServerBuilder builder;
     int port = 0;
     builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port);
@@ -114,6 +115,7 @@ class TelemetryFixture : public testing::Test {
   exchange::MonotonicClock clock_;
   gate::AxisGate gate_{gate::PaperAxis(), *crossing_, clock_};
   record::Broadcast broadcast_{{.max_subscribers = kMaxStreams, .max_queued_samples = kMaxQueuedSamples}};
+  record::EventLog events_{clock_};
   AxisRegistry axes_;
   TelemetryService service_{axes_};
   std::unique_ptr<grpc::Server> server_;
