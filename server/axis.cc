@@ -11,7 +11,6 @@
 #include "server/describe_axis.h"
 #include "server/gate/figures.h"
 #include "server/gate/state_words.h"
-#include "server/rpc/sample_encoding.h"
 
 namespace mwidth::server {
 namespace {
@@ -94,8 +93,7 @@ gate::AxisDescription Describe(const AxisConfig& config, bool simulated,
 Axis::Axis(const AxisConfig& config, const Config& server, const AxisOptions& options)
     : clock_(MakeClock(config, options)),
       drive_(MakeDrive(config)),
-      broadcast_(rpc::SampleEncoding(config.name),
-                 {.max_subscribers = static_cast<std::size_t>(server.max_streams),
+      broadcast_({.max_subscribers = static_cast<std::size_t>(server.max_streams),
                   .max_queued_samples = static_cast<std::size_t>(server.stream_queue_samples)}),
       events_(*clock_),
       loop_events_(events_,

@@ -1,0 +1,78 @@
+// Writes one session's file.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "server/exchange/crossing.h"
+#include "server/record/event.h"
+#include "server/record/session/session_info.h"
+
+namespace mwidth::record {
+
+/// The disk, or what stands for it, did not take it. what() has the file, and the reason as SQLite or the
+/// system tells it.
+class StorageError : public std::runtime_error {
+ public:
+  StorageError(const std::string& what, bool disk_full) : std::runtime_error(what), disk_full_(disk_full) {}
+
+  bool disk_full() const noexcept { return disk_full_; }
+
+ private:
+  bool disk_full_;
+};
+
+/// How sure a commit is.
+enum class Durability : uint8_t {
+  /// Survives the death of this process.
+  kProcess,
+  /// On the disk: survives the loss of power.
+  kPower,
+};
+
+/// Holds back what it is given until Commit, which writes all of it or, when it throws, nothing, and may be
+/// tried again. The newest samples go into small blocks, cheap to write often; as soon as there are
+/// kBlockSamples of them, or a tick is lost behind them, they become one block of their own. One thread.
+class SessionFile {
+ public:
+  static constexpr std::size_t kBlockSamples = 4096;
+
+  /// Creates `file`, readable to its group, with `info` in it, on the disk when this returns. Throws
+  /// StorageError, also where the file exists, and leaves no new file then.
+  SessionFile(const std::filesystem::path& file, const SessionInfo& info);
+  SessionFile(SessionFile&&) noexcept;
+  SessionFile& operator=(SessionFile&&) noexcept;
+  /// What was not committed is lost; the session stays open.
+  ~SessionFile();
+
+  /// Samples in the order of ticks; those not above the last one are passed over. Notes a gap wherever ticks
+  /// are absent; `lost_reason` is why those that ran are.
+  void Append(std::span<const exchange::Sample> samples, std::string_view lost_reason);
+  void Add(const Event& event);
+  void Add(const Marker& marker);
+  void Add(const Gap& gap);
+  void Add(const WallClockStep& step);
+
+  /// True where there is something to commit.
+  bool HasPending() const;
+  /// How many samples wait for Commit.
+  std::size_t pending_samples() const;
+  /// Throws StorageError.
+  void Commit(Durability durability);
+
+  /// Commits all to the disk, `state` and `end_wall_ns` with it, and leaves a single file, unless somebody
+  /// reads it just now. Throws StorageError; may be tried again.
+  void End(SessionState state, std::optional<int64_t> end_wall_ns);
+
+ private:
+  class Database;
+  std::unique_ptr<Database> database_;
+};
+
+}  // namespace mwidth::record
