@@ -77,14 +77,17 @@ render::LoopConfig MakeLoopConfig(const AxisConfig& config) {
   return loop;
 }
 
-gate::AxisDescription Describe(const AxisConfig& config, bool simulated,
+gate::AxisDescription Describe(const AxisConfig& config, const device::DriveInfo& drive,
                                const render::RealtimeReport& realtime, const AxisOptions& options) {
   gate::AxisDescription description = DescribeAxis(config);
-  description.simulated = simulated;
+  description.simulated = drive.simulated;
+  // What the loop itself computes with: records are computed again from it, bit for bit.
+  description.position_quantum = drive.position_quantum;
+  description.force_quantum = drive.force_quantum;
   description.realtime = realtime.realtime;
   description.realtime_message = realtime.message;
   description.rendering_blocked_reason =
-      RenderingBlockedReason(simulated, realtime, options.allow_non_realtime);
+      RenderingBlockedReason(drive.simulated, realtime, options.allow_non_realtime);
   return description;
 }
 
@@ -102,8 +105,8 @@ Axis::Axis(const AxisConfig& config, const Config& server, const AxisOptions& op
       loop_(std::make_unique<render::Loop>(*drive_, crossing_, *clock_, MakeLoopConfig(config))) {
   render::RealtimeReport realtime = loop_->Start();
   render::AddRefusal(options.host_refusal, realtime);
-  gate_ = std::make_unique<gate::AxisGate>(Describe(config, drive_->Info().simulated, realtime, options),
-                                           crossing_, *clock_);
+  gate_ = std::make_unique<gate::AxisGate>(Describe(config, drive_->Info(), realtime, options), crossing_,
+                                           *clock_);
   // Not before the gate is there, which it asks. What the ring cannot hold until then is of an idle axis.
   drain_.Start();
 }

@@ -8,6 +8,7 @@
 #include "device/can/bus.h"
 #include "server/config_hand_monitor.h"
 #include "server/config_limits.h"
+#include "server/config_sessions.h"
 #include "server/config_table.h"
 
 namespace mwidth::server {
@@ -157,25 +158,37 @@ AxisConfig ReadAxis(ConfigTable axis, const std::filesystem::path& folder) {
   return read;
 }
 
+std::string ReadText(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  if (!stream || !text) {
+    throw ConfigError(file.string() + ": cannot be read");
+  }
+  return text.str();
+}
+
 }  // namespace
 
 Config LoadConfig(const std::filesystem::path& file) {
+  Config config;
+  config.text = ReadText(file);
   toml::table parsed;
   try {
-    parsed = toml::parse_file(file.string());
+    parsed = toml::parse(config.text, file.string());
   } catch (const toml::parse_error& error) {
     std::ostringstream text;
     text << file.string() << ":" << error.source().begin.line << ": " << error.description();
     throw ConfigError(text.str());
   }
   ConfigTable root(parsed, file, "");
-  Config config;
   ConfigTable server = root.Table("server");
   config.listen = server.String("listen");
   config.max_streams = server.IntegerOr("max_streams", {1, 100'000}, kDefaultMaxStreams);
   config.stream_queue_samples =
       server.IntegerOr("stream_queue_samples", {1000, kLargest}, kDefaultStreamQueueSamples);
   config.keep_cpus_awake = server.BooleanOr("keep_cpus_awake", false);
+  config.sessions = ReadSessions(server);
   server.Finish();
 
   std::set<std::string> names;

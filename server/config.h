@@ -55,13 +55,25 @@ struct AxisConfig {
   DriveConfig drive;
 };
 
+struct SessionsConfig {
+  /// Where sessions are recorded; made with the first one.
+  std::filesystem::path folder;
+  /// No session begins with less space left.
+  int min_free_mb = 0;
+  /// Samples of an axis that wait for a slow disk before some are lost.
+  int queue_samples = 0;
+};
+
 struct Config {
+  /// The file as it was read.
+  std::string text;
   std::string listen;
   /// Most sample streams on one axis, and most samples queued for one of them.
   int max_streams = 0;
   int stream_queue_samples = 0;
   /// An idle-priority thread on each CPU keeps it from halting.
   bool keep_cpus_awake = false;
+  SessionsConfig sessions;
   std::vector<AxisConfig> axes;
 };
 

@@ -1,5 +1,7 @@
 #include "server/describe_axis.h"
 
+#include <limits>
+
 namespace mwidth::server {
 
 gate::AxisDescription DescribeAxis(const AxisConfig& config) {
@@ -10,8 +12,10 @@ gate::AxisDescription DescribeAxis(const AxisConfig& config) {
   description.mass_min = config.limits.mass_min;
   description.mass_max = config.limits.mass_max;
   description.force_limit = config.limits.force;
+  description.force_slew_limit = config.limits.force_slew.value_or(std::numeric_limits<double>::infinity());
   description.required_gain_margin_db = config.required_gain_margin_db;
   description.position_quantum = config.drive.position_quantum;
+  description.force_quantum = config.drive.force_quantum;
   description.acceleration_quantum = config.drive.acceleration_quantum;
   description.force_noise_limit = config.force_noise_limit;
   description.hand_envelope = config.hand_envelope;

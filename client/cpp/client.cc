@@ -5,6 +5,7 @@
 #include <grpcpp/security/credentials.h>
 
 #include "client/cpp/call.h"
+#include "client/cpp/read_stream.h"
 
 namespace mwidth::client {
 namespace {
@@ -46,6 +47,7 @@ Client::Client(const std::shared_ptr<grpc::ChannelInterface>& channel, Seconds c
     : rendering_(v1::RenderingService::NewStub(channel)),
       stability_(v1::StabilityService::NewStub(channel)),
       telemetry_(v1::TelemetryService::NewStub(channel)),
+      sessions_(v1::SessionService::NewStub(channel)),
       call_timeout_(call_timeout) {}
 
 v1::GetStateResponse Client::State(const std::string& axis) const {
@@ -98,22 +100,7 @@ bool Client::SweepMWidth(const v1::SweepMWidthRequest& request,
   grpc::ClientContext context;
   SetTimeout(context, kAnalysisTimeout);
   const auto reader = stability_->SweepMWidth(&context, request);
-  bool wanted = true;
-  v1::SweepMWidthResponse row;
-  while (wanted && reader->Read(&row)) {
-    wanted = take(row);
-  }
-  if (!wanted) {
-    context.TryCancel();
-  }
-  // Finish answers only once everything is read.
-  while (reader->Read(&row)) {
-  }
-  const auto status = reader->Finish();
-  if (wanted && !status.ok()) {
-    throw CallError(status);
-  }
-  return wanted;
+  return ReadStream(context, *reader, take);
 }
 
 v1::EmergencyStopResponse Client::EmergencyStop(const std::string& reason, const std::string& axis) const {

@@ -3,6 +3,7 @@
 
 #include <grpcpp/channel.h>
 #include <mwidth/v1/rendering.grpc.pb.h>
+#include <mwidth/v1/session.grpc.pb.h>
 #include <mwidth/v1/stability.grpc.pb.h>
 #include <mwidth/v1/telemetry.grpc.pb.h>
 
@@ -13,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "client/cpp/clock_offset.h"
 #include "client/cpp/control.h"
 #include "client/cpp/failure.h"
 #include "client/cpp/sample_stream.h"
@@ -69,10 +71,33 @@ class Client {
   /// server's choice). Errors, an unknown axis among them, come from the stream's Next.
   SampleStream Stream(const std::string& axis = "", uint32_t decimation = 1, uint32_t max_batch = 0) const;
 
+  /// Hands what happens from now on, or behind `request.after_number`, to `take`, from the calling thread,
+  /// until that returns false, which it is asked at the next event. Throws Error when the server ends the
+  /// stream.
+  void WatchEvents(const v1::StreamEventsRequest& request,
+                   const std::function<bool(const v1::StreamEventsResponse&)>& take) const;
+  /// From std::chrono::steady_clock to the axis's clock: the best of `count` exchanges.
+  ClockOffset SyncClock(const std::string& axis = "", int count = 16) const;
+
+  /// Begins to record an axis. A `labels.run` of 0 becomes the next one.
+  v1::Session StartSession(const v1::SessionLabels& labels, const std::string& axis = "") const;
+  /// Ends it; everything is on the server's disk then.
+  v1::Session EndSession(const std::string& session_id) const;
+  /// Marks a moment of the session that records the axis; without `time` the one at which it arrives.
+  v1::Marker AddMarker(const v1::AddMarkerRequest& request) const;
+  /// What the server has recorded, the newest first.
+  v1::ListSessionsResponse ListSessions(const v1::ListSessionsRequest& request = {}) const;
+  v1::GetSessionResponse GetSession(const std::string& session_id) const;
+  /// Hands samples, events and markers of a session to `take` in the order of time, from the calling thread;
+  /// false ends it. Returns whether all was taken. Blocks for as long as that lasts.
+  bool ReadSession(const v1::ReadSessionRequest& request,
+                   const std::function<bool(const v1::ReadSessionResponse&)>& take) const;
+
  private:
   std::shared_ptr<v1::RenderingService::StubInterface> rendering_;
   std::shared_ptr<v1::StabilityService::StubInterface> stability_;
   std::shared_ptr<v1::TelemetryService::StubInterface> telemetry_;
+  std::shared_ptr<v1::SessionService::StubInterface> sessions_;
   Seconds call_timeout_;
 };
 

@@ -1,6 +1,7 @@
 // What an axis is, as far as it never changes while the server runs.
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -19,12 +20,15 @@ struct AxisDescription {
   /// Bounds on any virtual mass, edges included, whatever the stability model says; they hold 0 between them.
   double mass_min = 0;
   double mass_max = 0;
-  /// The commanded force never exceeds this magnitude.
+  /// The commanded force never exceeds this magnitude, nor changes faster than this a second; infinite: any.
   double force_limit = 0;
+  double force_slew_limit = std::numeric_limits<double>::infinity();
   /// 0 or more; what an admitted mass keeps from the edge of the M-width.
   double required_gain_margin_db = 0;
   /// Position of one encoder count; m or rad.
   double position_quantum = 0;
+  /// Force of one count of the drive; N or N m.
+  double force_quantum = 0;
   /// Acceleration of one count of the accelerometer, m/s^2 or rad/s^2; its bandwidth is in `loop`. 0 where
   /// there is none: then no estimator that reads one is granted.
   double acceleration_quantum = 0;

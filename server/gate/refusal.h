@@ -21,6 +21,7 @@ enum class RefusalCode : uint8_t {
   kPermissionDenied,    // another role
   kResourceExhausted,   // fewer or smaller requests
   kUnavailable,         // the loop does not answer, or the server stops
+  kDataLoss,            // what was recorded cannot be read
 };
 
 // Reasons, as programs read them. Part of the API: never renamed.
@@ -40,6 +41,13 @@ inline constexpr const char* kAmbiguousAxis = "AMBIGUOUS_AXIS";
 inline constexpr const char* kTooManyStreams = "TOO_MANY_STREAMS";
 inline constexpr const char* kTooManyComputations = "TOO_MANY_COMPUTATIONS";
 inline constexpr const char* kShuttingDown = "SHUTTING_DOWN";
+inline constexpr const char* kNoSession = "NO_SESSION";
+inline constexpr const char* kSessionOpen = "SESSION_OPEN";
+inline constexpr const char* kSessionExists = "SESSION_EXISTS";
+inline constexpr const char* kUnknownSession = "UNKNOWN_SESSION";
+inline constexpr const char* kUnreadableSession = "UNREADABLE_SESSION";
+inline constexpr const char* kStorageFull = "STORAGE_FULL";
+inline constexpr const char* kStorageFailed = "STORAGE_FAILED";
 
 /// A request that was not granted; nothing has changed unless the message says so.
 struct Refusal {

@@ -26,6 +26,8 @@ grpc::StatusCode Code(gate::RefusalCode code) {
       return grpc::StatusCode::RESOURCE_EXHAUSTED;
     case gate::RefusalCode::kUnavailable:
       return grpc::StatusCode::UNAVAILABLE;
+    case gate::RefusalCode::kDataLoss:
+      return grpc::StatusCode::DATA_LOSS;
   }
   return grpc::StatusCode::UNKNOWN;
 }

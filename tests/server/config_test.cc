@@ -187,7 +187,7 @@ TEST_F(ConfigTest, ReadsEveryShippedConfiguration) {
 
 TEST_F(ConfigTest, NamesFileLineKeyAndRangeOfAWrongNumber) {
   EXPECT_THAT(ErrorAfter("cutoff_hz = 10.0", "cutoff_hz = 501"),
-              AllOf(HasSubstr(".toml:33: axis.loop.cutoff_hz is 501"), HasSubstr("at most 500")));
+              AllOf(HasSubstr(".toml:42: axis.loop.cutoff_hz is 501"), HasSubstr("at most 500")));
   EXPECT_THAT(ErrorAfter("period_s = 0.001", "period_s = 0"), HasSubstr("from 0.0001 to 0.01"));
   EXPECT_THAT(ErrorAfter("mass = 0.070", "mass = nan"), HasSubstr("axis.device.mass is nan"));
   EXPECT_THAT(ErrorAfter("stiffness = 700.0", "stiffness = inf"), HasSubstr("axis.hand.stiffness is inf"));
@@ -208,7 +208,7 @@ TEST_F(ConfigTest, ReadsTheEstimatorAndItsCutoffs) {
   EXPECT_THAT(with("butterworth", "495"),
               AllOf(HasSubstr("axis.loop.cutoff_hz is 495"), HasSubstr("to 490")));
   EXPECT_THAT(with("filtered-accelerometer", "30"),
-              AllOf(HasSubstr(".toml:31: axis.loop.estimator is \"filtered-accelerometer\""),
+              AllOf(HasSubstr(".toml:40: axis.loop.estimator is \"filtered-accelerometer\""),
                     HasSubstr("[axis.drive.accelerometer]")));
   EXPECT_THAT(with("savitzky-golay", "30"), AllOf(HasSubstr("axis.loop.estimator is \"savitzky-golay\""),
                                                   HasSubstr("\"butterworth\", \"kalman\"")));
@@ -254,6 +254,23 @@ TEST_F(ConfigTest, RefusesAnAccelerometerThatARealDriveDoesNotRead) {
   }
 }
 
+TEST_F(ConfigTest, ReadsWhereSessionsAreRecorded) {
+  EXPECT_EQ(LoadConfig(CONFIG_DIR "/modbus.toml").sessions.folder, "mwidth-sessions");
+  std::string text = ReadFile(CONFIG_DIR "/paper.toml");
+  const std::string shipped = "min_free_mb = 200";
+  text.replace(text.find(shipped), shipped.size(), "min_free_mb = 7");
+  const std::filesystem::path file = testing::TempDir() + "sessions.toml";
+  std::ofstream(file) << text;
+  const Config config = LoadConfig(file);
+  EXPECT_EQ(config.sessions.min_free_mb, 7);
+  EXPECT_EQ(config.sessions.queue_samples, 100'000);
+  EXPECT_EQ(config.text, text);
+  EXPECT_THAT(ErrorAfter("min_free_mb = 200", "min_free_mb = 0"),
+              HasSubstr("server.sessions.min_free_mb is 0"));
+  EXPECT_THAT(ErrorAfter("folder = \"mwidth-sessions\"", "folder = \"\""),
+              HasSubstr("server.sessions.folder is empty"));
+}
+
 TEST_F(ConfigTest, NamesAnUnknownKeyAndTheAllowedOnes) {
   EXPECT_THAT(ErrorAfter("cutoff_hz", "cutof_hz"), HasSubstr("axis.loop.cutoff_hz is missing"));
   EXPECT_THAT(
@@ -273,7 +290,7 @@ TEST_F(ConfigTest, RefusesWrongTypesAndWords) {
 }
 
 TEST_F(ConfigTest, NamesTheLineOfASyntaxError) {
-  EXPECT_THAT(ErrorAfter("kind = \"linear\"", "kind = linear"), HasSubstr(".toml:18"));
+  EXPECT_THAT(ErrorAfter("kind = \"linear\"", "kind = linear"), HasSubstr(".toml:27"));
 }
 
 TEST_F(ConfigTest, RefusesAMissingFileByNamingTheShippedOnes) {

@@ -2,12 +2,17 @@
 
 import grpc
 
-from mwidth import analyses, failure
+from mwidth import analyses, clock, failure
 from mwidth.control import Control, to_duration
+from mwidth.events import EventStream
 from mwidth.samples import SampleStream
+from mwidth.session import Session
+from mwidth.stored import StoredSession
 from mwidth.v1 import (
     rendering_pb2,
     rendering_pb2_grpc,
+    session_pb2,
+    session_pb2_grpc,
     stability_pb2,
     stability_pb2_grpc,
     telemetry_pb2,
@@ -43,6 +48,7 @@ class Client:
         self._rendering = rendering_pb2_grpc.RenderingServiceStub(self._channel)
         self._stability = stability_pb2_grpc.StabilityServiceStub(self._channel)
         self._telemetry = telemetry_pb2_grpc.TelemetryServiceStub(self._channel)
+        self._sessions = session_pb2_grpc.SessionServiceStub(self._channel)
 
     def __enter__(self):
         return self
@@ -169,3 +175,61 @@ class Client:
         """SampleStream of every decimation-th tick from now on, in batches of at most max_batch (0: the server's)."""
         request = telemetry_pb2.StreamSamplesRequest(axis=axis, decimation=decimation, max_batch=max_batch)
         return SampleStream(self._telemetry.StreamSamples(request))
+
+    def events(self, axis="", after_number=None):
+        """EventStream of what happens on an axis from now on, or behind an event of that number (0: from the first one
+        that the server remembers).
+        """
+        request = telemetry_pb2.StreamEventsRequest(axis=axis, after_number=after_number)
+        return EventStream(self._telemetry.StreamEvents(request))
+
+    def sync_clock(self, axis="", count=16):
+        """ClockOffset from this process's time.monotonic_ns() to the axis's clock, the best of `count` exchanges."""
+
+        def ask(client_ns):
+            request = telemetry_pb2.SyncClockRequest(axis=axis, client_send_ns=client_ns)
+            return self._call(self._telemetry.SyncClock, request)
+
+        return clock.measure(ask, count)
+
+    def session(self, subject, task, run=0, visit="", operator="", metadata=None, axis=""):
+        """Begins to record an axis and returns the Session; use it in a with statement.
+
+        Args:
+            subject, task, visit: letters and digits, such as "sub-01", "reach", "ses-1".
+            run: 1 to 9999; 0: the next one of this subject, visit and task.
+            operator: who runs the session, if it is to be told.
+            metadata: free, kept as text.
+        """
+        labels = session_pb2.SessionLabels(
+            subject=subject,
+            visit=visit,
+            task=task,
+            run=run,
+            operator=operator,
+            metadata={key: str(value) for key, value in (metadata or {}).items()},
+        )
+        request = session_pb2.StartSessionRequest(axis=axis, labels=labels)
+        return Session(self, self._call(self._sessions.StartSession, request).session, axis)
+
+    def sessions(self, subject="", visit="", task=""):
+        """List of mwidth.v1.Session in the server's folder, the newest first; only those of a subject, visit or task."""
+        request = session_pb2.ListSessionsRequest(subject=subject, visit=visit, task=task)
+        return list(self._call(self._sessions.ListSessions, request).sessions)
+
+    def stored_session(self, session_id):
+        """GetSessionResponse: what a session says of itself, its events, markers and configuration."""
+        request = session_pb2.GetSessionRequest(session_id=session_id)
+        return self._call(self._sessions.GetSession, request)
+
+    def read_session(self, session_id, first_tick=0, last_tick=0, speed=0.0, max_batch=1000):
+        """StoredSession: iterates over the samples, events and markers of a session, in the order of time.
+
+        Args:
+            first_tick, last_tick: a part of it; 0: from its first, to its last.
+            speed: how many times as fast as it was; 0: as fast as it is read.
+        """
+        request = session_pb2.ReadSessionRequest(
+            session_id=session_id, first_tick=first_tick, last_tick=last_tick, speed=speed, max_batch=max_batch
+        )
+        return StoredSession(self._sessions.ReadSession(request))

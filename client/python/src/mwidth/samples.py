@@ -2,10 +2,9 @@
 
 import dataclasses
 
-import grpc
 import numpy as np
 
-from mwidth import failure
+from mwidth.responses import ResponseStream
 
 
 @dataclasses.dataclass(frozen=True)
@@ -50,7 +49,8 @@ _DTYPES = {
 }
 
 
-def _from_message(batch):
+def from_message(batch):
+    """SampleBatch of a mwidth.v1.SampleBatch."""
     columns = {name: np.array(getattr(batch, name), dtype=dtype) for name, dtype in _DTYPES.items()}
     if not batch.acceleration_counts:  # a server from before accelerometers
         columns["acceleration_counts"] = np.zeros(len(batch.position), dtype=np.int32)
@@ -76,43 +76,16 @@ def concatenate(batches):
     )
 
 
-class SampleStream:
-    """Iterates over SampleBatches until cancel() or the end of a with block. Made by Client.stream.
-
-    Iterate from one thread; cancel may come from any other. Raises Error when the server ends the stream.
-    """
+class SampleStream(ResponseStream):
+    """Iterates over SampleBatches. Made by Client.stream. missed_ticks and dropped_ticks count those without a sample."""
 
     def __init__(self, call):
-        self._call = call
-        self._cancelled = False
+        super().__init__(call)
         self.missed_ticks = 0
         self.dropped_ticks = 0
 
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self.cancel()
-
-    def cancel(self):
-        """Ends the iteration, a waiting one too."""
-        self._cancelled = True
-        self._call.cancel()
-
-    def __iter__(self):
-        return self
-
     def __next__(self):
-        try:
-            batch = _from_message(next(self._call).batch)
-        except StopIteration:
-            if self._cancelled:
-                raise
-            raise failure.Error("the server ended the stream", grpc.StatusCode.UNAVAILABLE) from None
-        except grpc.RpcError as error:
-            if self._cancelled:
-                raise StopIteration from None
-            raise failure.decode(error) from None
+        batch = from_message(self._next_response().batch)
         self.missed_ticks += batch.missed_ticks_before
         self.dropped_ticks += batch.dropped_ticks_before
         return batch
