@@ -18,6 +18,14 @@ void Append(std::string& out, Number value) {
   out.append(text.data(), static_cast<size_t>(end - text.data()));
 }
 
+std::string Quoted(std::string_view text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    quoted.append(c == '"' ? 2 : 1, c);
+  }
+  return quoted + '"';
+}
+
 struct Appender {
   std::string& out;
   void operator()(double value) const { AppendNumber(out, value); }
@@ -61,18 +69,17 @@ std::string CsvCell(std::string_view text) {
   if (text.find_first_of(",\"\r\n") == std::string_view::npos) {
     return std::string(text);
   }
-  std::string quoted = "\"";
-  for (const char c : text) {
-    quoted.append(c == '"' ? 2 : 1, c);
-  }
-  return quoted + '"';
+  return Quoted(text);
 }
 
 std::string TsvCell(std::string_view text) {
   std::string cell(text);
   std::replace_if(
       cell.begin(), cell.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; }, ' ');
-  return cell.find_first_not_of(' ') == std::string::npos ? "n/a" : cell;
+  if (cell.find_first_not_of(' ') == std::string::npos) {
+    return "n/a";
+  }
+  return cell.starts_with('"') ? Quoted(cell) : cell;
 }
 
 std::string JsonText(const std::map<std::string, std::string>& metadata) {

@@ -24,7 +24,7 @@ std::string UtcTime(int64_t wall_ns);
 std::string CsvCell(std::string_view text);
 
 /// A cell of a BIDS table: "n/a" where it is empty, control characters (tabs and line breaks among them)
-/// become spaces.
+/// become spaces; quoted where it begins with a quote, which readers would take for theirs.
 std::string TsvCell(std::string_view text);
 
 /// One JSON object in one line; "{}" where there is nothing.
