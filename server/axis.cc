@@ -11,6 +11,7 @@
 #include "server/describe_axis.h"
 #include "server/gate/figures.h"
 #include "server/gate/state_words.h"
+#include "server/rpc/sample_encoding.h"
 
 namespace mwidth::server {
 namespace {
@@ -96,7 +97,8 @@ gate::AxisDescription Describe(const AxisConfig& config, const device::DriveInfo
 Axis::Axis(const AxisConfig& config, const Config& server, const AxisOptions& options)
     : clock_(MakeClock(config, options)),
       drive_(MakeDrive(config)),
-      broadcast_({.max_subscribers = static_cast<std::size_t>(server.max_streams),
+      broadcast_(rpc::SampleEncoding(config.name),
+                 {.max_subscribers = static_cast<std::size_t>(server.max_streams),
                   .max_queued_samples = static_cast<std::size_t>(server.stream_queue_samples)}),
       events_(*clock_),
       loop_events_(events_,

@@ -5,31 +5,46 @@
 #include <utility>
 
 namespace mwidth::record {
+namespace {
 
-Batcher::Batcher(uint32_t decimation, std::size_t max_batch, uint64_t first_tick)
-    : decimation_(decimation), max_batch_(max_batch), first_tick_(first_tick) {
-  if (decimation == 0 || max_batch == 0) {
-    throw std::invalid_argument("decimation and max_batch must be above 0");
+Cut Checked(const Cut& cut) {
+  if (cut.decimation == 0 || cut.min_batch == 0 || cut.min_batch > cut.max_batch) {
+    throw std::invalid_argument("decimation and min_batch must be above 0, and max_batch at least min_batch");
+  }
+  return cut;
+}
+
+}  // namespace
+
+Batcher::Batcher(const Cut& cut, std::size_t phase)
+    : cut_(Checked(cut)), phase_(phase), reducer_(cut.reduction, cut.decimation) {}
+
+void Batcher::Take(std::span<const exchange::Sample> samples, const Emit& emit) {
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const exchange::Sample& sample = samples[i];
+    if (started_ && sample.tick != last_tick_ + 1) {
+      Flush(emit);
+      reducer_.Reset();
+    }
+    Count(sample);
+    if (const auto reduced = reducer_.Push(sample)) {
+      Append(*reduced);
+      if (Complete(samples.size() - i - 1)) {
+        Flush(emit);
+      }
+    }
+  }
+  if (cut_.min_batch == 1) {
+    Flush(emit);
   }
 }
 
-std::size_t Batcher::Fill(std::span<const exchange::Sample> samples, Batch& batch) {
-  for (std::size_t used = 0; used < samples.size(); ++used) {
-    const exchange::Sample& sample = samples[used];
-    if (sample.tick < first_tick_) {
-      continue;
-    }
-    const bool gap = started_ && sample.tick != last_tick_ + 1;
-    const bool selected = sample.tick % decimation_ == 0;
-    if ((gap && !batch.samples.empty()) || (selected && batch.samples.size() >= max_batch_)) {
-      return used;
-    }
-    Count(sample);
-    if (selected) {
-      Append(sample, batch);
-    }
+void Batcher::Flush(const Emit& emit) {
+  if (!batch_.samples.empty()) {
+    emit(batch_);
+    batch_.samples.clear();
+    batch_.extremes.clear();
   }
-  return samples.size();
 }
 
 void Batcher::Count(const exchange::Sample& sample) {
@@ -45,14 +60,31 @@ void Batcher::Count(const exchange::Sample& sample) {
   last_missed_ticks_ = sample.missed_ticks;
 }
 
-void Batcher::Append(const exchange::Sample& sample, Batch& batch) {
-  if (batch.samples.empty()) {
-    batch.first_tick = sample.tick;
-    batch.decimation = decimation_;
-    batch.missed_ticks_before = std::exchange(missed_, 0);
-    batch.dropped_ticks_before = std::exchange(dropped_, 0);
+void Batcher::Append(const ReducedSample& reduced) {
+  if (batch_.samples.empty()) {
+    batch_.first_tick = reduced.sample.tick;
+    batch_.decimation = cut_.decimation;
+    batch_.reduction = cut_.reduction;
+    batch_.missed_ticks_before = std::exchange(missed_, 0);
+    batch_.dropped_ticks_before = std::exchange(dropped_, 0);
   }
-  batch.samples.push_back(sample);
+  batch_.samples.push_back(reduced.sample);
+  if (cut_.reduction == Reduction::kMinMax) {
+    batch_.extremes.push_back(reduced.extremes);
+  }
+}
+
+bool Batcher::Complete(std::size_t ticks_at_hand) const {
+  const std::size_t size = batch_.samples.size();
+  if (size == cut_.max_batch || cut_.min_batch == 1) {
+    return size == cut_.max_batch;
+  }
+  const uint64_t next = batch_.samples.back().tick / cut_.decimation + 1;
+  const bool end = (next + phase_) % cut_.min_batch == 0;
+  // Where the next end is at hand as well, one batch serves for both.
+  const bool more =
+      ticks_at_hand >= cut_.min_batch * cut_.decimation && size + cut_.min_batch <= cut_.max_batch;
+  return end && !more;
 }
 
 }  // namespace mwidth::record

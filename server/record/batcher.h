@@ -1,52 +1,76 @@
-// Cuts a stream of samples into batches of evenly spaced ticks, and accounts for every tick that is absent.
+// Cuts the samples of a loop into batches of evenly spaced ticks, and accounts for every tick that is absent.
 #pragma once
 
+#include <compare>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
 #include "server/exchange/crossing.h"
+#include "server/record/reduction.h"
 
 namespace mwidth::record {
+
+/// How a stream is cut; streams of equal cuts can share their batches.
+struct Cut {
+  /// Ticks that become one sample; above 0.
+  uint32_t decimation = 1;
+  Reduction reduction = Reduction::kPick;
+  /// Samples of a batch: 1 <= min_batch <= max_batch. With a min_batch of 1 nothing waits for a fuller batch.
+  std::size_t min_batch = 1;
+  std::size_t max_batch = 100;
+
+  auto operator<=>(const Cut&) const = default;
+};
 
 /// Sample i belongs to tick first_tick + i * decimation.
 struct Batch {
   uint64_t first_tick = 0;
   uint32_t decimation = 1;
+  Reduction reduction = Reduction::kPick;
   /// Ticks since the previous batch that never ran.
   uint64_t missed_ticks_before = 0;
   /// Ticks since the previous batch that ran, and whose samples did not arrive.
   uint64_t dropped_ticks_before = 0;
   std::vector<exchange::Sample> samples;
+  /// One a sample with Reduction::kMinMax; otherwise none.
+  std::vector<Extremes> extremes;
 };
 
-/// Selects the ticks that are multiples of `decimation` (so that all streams of one decimation agree on them)
-/// and fills batches with them. Absent ticks are counted in ticks of the loop, whatever the decimation:
+/// Reduces samples and fills batches with what comes out. Absent ticks are counted in ticks of the loop,
+/// whatever the decimation:
 ///
 ///     absent = missed + dropped = tick - previous tick - 1, missed = growth of Sample::missed_ticks
 ///
-/// where the previous tick is the last sample seen, selected or not. At a decimation of 1 that is exactly the
-/// gap between two batches. Absent ticks always begin a new batch. Ticks before the first sample are not
-/// absent, and those before `first_tick` are passed over. Pure: one thread at a time.
+/// where the previous tick is the last sample seen. At a decimation of 1 that is exactly the gap between two
+/// batches. Absent ticks always begin a new batch. Ticks before the first sample are not absent.
+///
+/// Where min_batch is above 1 batches end at fixed ticks, so that batchers of different phases never end
+/// theirs together: a batch at the start or behind a gap may be shorter. Pure: one thread at a time.
 class Batcher {
  public:
-  /// `decimation` and `max_batch` are above 0; throws std::invalid_argument otherwise.
-  Batcher(uint32_t decimation, std::size_t max_batch, uint64_t first_tick = 0);
+  using Emit = std::function<void(const Batch&)>;
 
-  /// Appends from the front of `samples`, whose ticks rise strictly from call to call, to `batch`, and
-  /// returns how many it used up, those not selected included. Less than all: `batch` is complete, and the
-  /// rest belongs to the next one. Begin each batch with no samples in it; its other fields are set with its
-  /// first sample.
-  std::size_t Fill(std::span<const exchange::Sample> samples, Batch& batch);
+  /// Batches end `phase` samples, 0 to min_batch - 1, before those of a batcher without one. Throws
+  /// std::invalid_argument for a cut out of range.
+  explicit Batcher(const Cut& cut, std::size_t phase = 0);
+
+  /// Takes the samples that have come together, whose ticks rise strictly from call to call, and hands on
+  /// each batch that is complete.
+  void Take(std::span<const exchange::Sample> samples, const Emit& emit);
+  /// Hands on what waits for a fuller batch: nothing follows soon.
+  void Flush(const Emit& emit);
 
  private:
   void Count(const exchange::Sample& sample);
-  void Append(const exchange::Sample& sample, Batch& batch);
+  void Append(const ReducedSample& reduced);
+  bool Complete(std::size_t ticks_at_hand) const;
 
-  const uint32_t decimation_;
-  const std::size_t max_batch_;
-  const uint64_t first_tick_;
+  const Cut cut_;
+  const std::size_t phase_;
+  Reducer reducer_;
   // The last sample seen.
   bool started_ = false;
   uint64_t last_tick_ = 0;
@@ -54,6 +78,7 @@ class Batcher {
   // Absent ticks that no batch has told yet.
   uint64_t missed_ = 0;
   uint64_t dropped_ = 0;
+  Batch batch_;
 };
 
 }  // namespace mwidth::record

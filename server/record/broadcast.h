@@ -1,4 +1,5 @@
-// Fans the blocks of one axis out to subscribers; a slow one loses samples, and learns how many.
+// Fans the samples of one axis out to subscribers in batches that they share; a slow one loses samples, and
+// learns how many.
 #pragma once
 
 #include <cstddef>
@@ -6,66 +7,77 @@
 #include <functional>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <vector>
 
+#include "server/record/batcher.h"
 #include "server/record/sample_sink.h"
+#include "server/record/subscriber_queue.h"
 
 namespace mwidth::record {
 
 struct BroadcastLimits {
   /// Above 0.
   std::size_t max_subscribers = 64;
-  /// Most samples that wait for one subscriber; above 0. One block larger than this is taken by an empty
-  /// queue.
+  /// Most samples, as they are sent, that wait for one subscriber; above 0. One batch larger than this is
+  /// taken by an empty queue.
   std::size_t max_queued_samples = 10'000;
-};
-
-/// A block as one subscriber gets it.
-struct Delivery {
-  /// Samples that this subscriber lost directly before the block, because its queue was full.
-  uint64_t dropped_before = 0;
-  std::shared_ptr<const SampleBlock> block;
 };
 
 class Subscription;
 
-/// Copies nothing: subscribers share the blocks. Consume never waits for a subscriber: a block that does not
-/// fit into its queue is dropped for it alone, and counted. Outlives its subscriptions.
+/// Cuts and encodes each batch once for all subscribers of equal cuts. Where batches are held back until they
+/// are full, subscribers form groups of kGroupSize whose batches end at different times, so that a thousand
+/// of them are not all written to at once. Consume never waits for a subscriber: a batch that does not fit
+/// into its queue is dropped for it alone, and counted. Outlives its subscriptions.
 class Broadcast final : public SampleSink {
  public:
-  explicit Broadcast(BroadcastLimits limits = {});
+  static constexpr std::size_t kGroupSize = 64;
+
+  explicit Broadcast(Encode encode, BroadcastLimits limits = {});
   ~Broadcast() override;
 
-  /// A subscription to the blocks consumed from now on, or nullptr where there are max_subscribers already or
-  /// the broadcast is closed. `notify` is called after a block was queued, and after Close; it may come late,
-  /// so that nothing is left to take, but never too early. It runs on the thread of Consume or Close, returns
-  /// soon, does not throw, and may destroy the subscription. It can run before Subscribe returns. Any thread.
-  std::unique_ptr<Subscription> Subscribe(std::function<void()> notify);
+  /// A subscription to the samples from `first_tick` on, or nullptr where there are max_subscribers already.
+  /// Its first batch ends with that of its group, and so may be shorter than min_batch. Throws
+  /// std::invalid_argument for a cut out of range.
+  ///
+  /// `notify` is called after batches were queued, and after Close; it may come late, so that nothing is left
+  /// to take, but never too early. It runs on the thread of Consume or Close, returns soon, does not throw,
+  /// and may destroy the subscription. It can run before Subscribe returns. Any thread.
+  std::unique_ptr<Subscription> Subscribe(const Cut& cut, uint64_t first_tick, std::function<void()> notify);
 
   void Consume(std::shared_ptr<const SampleBlock> block) override;
 
-  /// Ends every subscription, once what it has queued is taken. Any thread, when nobody consumes any more.
+  /// Hands out what was held back and ends every subscription, once what it has queued is taken. Any thread,
+  /// when nobody consumes any more.
   void Close();
 
   /// Subscriptions that exist. Any thread.
   std::size_t subscribers() const;
+  /// Different batches that are made of one and the same samples. Any thread.
+  std::size_t groups() const;
   const BroadcastLimits& limits() const { return limits_; }
 
  private:
   friend class Subscription;
-  class Queue;
+  class Group;
+  using Groups = std::vector<std::shared_ptr<Group>>;
 
-  std::vector<std::shared_ptr<Queue>> Queues() const;
-  void Remove(const Queue* queue);
+  std::shared_ptr<Group> FindGroup(const Cut& cut) const;
+  std::size_t FreePhase(const Cut& cut) const;
+  Groups AllGroups() const;
+  void Remove(const SubscriberQueue* queue);
 
+  const Encode encode_;
   const BroadcastLimits limits_;
+  // One subscription at a time, so that none waits for mutex_ while another computes its filter.
+  std::mutex subscribe_mutex_;
   mutable std::mutex mutex_;
   bool closed_ = false;
-  std::vector<std::shared_ptr<Queue>> queues_;
+  std::size_t subscribers_ = 0;
+  Groups groups_;
 };
 
-/// One subscriber's end.
+/// One subscriber's end. Any thread.
 class Subscription {
  public:
   Subscription(const Subscription&) = delete;
@@ -74,17 +86,18 @@ class Subscription {
   /// this call comes from is its last. Hold no lock that `notify` takes.
   ~Subscription();
 
-  /// The oldest block not taken yet, if any. Any thread.
-  std::optional<Delivery> Take();
-  /// True when the broadcast is closed and everything is taken: no block will follow. Any thread.
-  bool ended() const;
+  /// Replaces `delivery` by what waits, up to max_batch samples or a gap. False where nothing does; then
+  /// `delivery` means nothing.
+  bool Take(Delivery& delivery) { return queue_->Take(delivery); }
+  /// True when the broadcast is closed and everything is taken: nothing will follow.
+  bool ended() const { return queue_->ended(); }
 
  private:
   friend class Broadcast;
-  Subscription(Broadcast& broadcast, std::shared_ptr<Broadcast::Queue> queue);
+  Subscription(Broadcast& broadcast, std::shared_ptr<SubscriberQueue> queue);
 
   Broadcast& broadcast_;
-  std::shared_ptr<Broadcast::Queue> queue_;
+  std::shared_ptr<SubscriberQueue> queue_;
 };
 
 }  // namespace mwidth::record

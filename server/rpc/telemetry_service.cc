@@ -1,5 +1,6 @@
 #include "server/rpc/telemetry_service.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <optional>
@@ -25,6 +26,7 @@ namespace {
 constexpr uint32_t kDefaultBatch = 100;
 constexpr uint32_t kMaxBatch = 1000;
 constexpr uint32_t kMaxDecimation = 10'000;
+constexpr uint32_t kMaxFilteredDecimation = 1000;
 
 std::optional<gate::Refusal> CheckRange(const std::string& field, uint32_t value, uint32_t max) {
   if (value <= max) {
@@ -33,25 +35,64 @@ std::optional<gate::Refusal> CheckRange(const std::string& field, uint32_t value
   return gate::InvalidNumber(field, value, "0 to " + std::to_string(max));
 }
 
-/// Opens the stream that `request` asks for, or says why not.
-gate::Result<SampleStream*> Open(const AxisRegistry& axes, const v1::StreamSamplesRequest& request) {
-  if (auto refusal = CheckRange("decimation", request.decimation(), kMaxDecimation)) {
+std::optional<record::Reduction> ReductionOf(v1::Reduction reduction) {
+  switch (reduction) {
+    case v1::REDUCTION_UNSPECIFIED:
+    case v1::REDUCTION_PICK:
+      return record::Reduction::kPick;
+    case v1::REDUCTION_LOW_PASS:
+      return record::Reduction::kLowPass;
+    case v1::REDUCTION_MIN_MAX:
+      return record::Reduction::kMinMax;
+    default:  // proto3 passes on any number
+      return std::nullopt;
+  }
+}
+
+/// How `request` wants its stream cut, or what is wrong with that. As proto3 has it, 0 is a field that was
+/// not set.
+gate::Result<record::Cut> CutOf(const v1::StreamSamplesRequest& request) {
+  const std::optional<record::Reduction> reduction = ReductionOf(request.reduction());
+  if (!reduction) {
+    return gate::InvalidNumber("reduction", request.reduction(),
+                               "1 (PICK), 2 (LOW_PASS), 3 (MIN_MAX), or 0 for PICK");
+  }
+  const bool filtered = *reduction == record::Reduction::kLowPass;
+  if (auto refusal = CheckRange("decimation", request.decimation(),
+                                filtered ? kMaxFilteredDecimation : kMaxDecimation)) {
     return *std::move(refusal);
   }
   if (auto refusal = CheckRange("max_batch", request.max_batch(), kMaxBatch)) {
     return *std::move(refusal);
   }
+  if (auto refusal = CheckRange("min_batch", request.min_batch(), kMaxBatch)) {
+    return *std::move(refusal);
+  }
+  if (request.max_batch() != 0 && request.min_batch() > request.max_batch()) {
+    return gate::InvalidNumber("min_batch", request.min_batch(),
+                               "at most max_batch, which is " + std::to_string(request.max_batch()));
+  }
+  const uint32_t min_batch = std::max(request.min_batch(), 1U);
+  return record::Cut{
+      .decimation = std::max(request.decimation(), 1U),
+      .reduction = *reduction,
+      .min_batch = min_batch,
+      .max_batch = request.max_batch() == 0 ? std::max(kDefaultBatch, min_batch) : request.max_batch()};
+}
+
+/// Opens the stream that `request` asks for, or says why not.
+gate::Result<SampleStream*> Open(const AxisRegistry& axes, const v1::StreamSamplesRequest& request) {
+  const gate::Result<record::Cut> cut = CutOf(request);
+  if (!cut.ok()) {
+    return cut.refusal();
+  }
   const gate::Result<const Axis*> axis = axes.Find(request.axis());
   if (!axis.ok()) {
     return axis.refusal();
   }
-  // As proto3 has it, 0 is a field that was not set.
-  const uint32_t decimation = request.decimation() == 0 ? 1 : request.decimation();
-  const uint32_t max_batch = request.max_batch() == 0 ? kDefaultBatch : request.max_batch();
   // The ring still holds ticks that ran before: to a client that began to render, they would read as an end.
   const uint64_t first_tick = (*axis)->gate.Status().tick + 1;
-  return SampleStream::Open((*axis)->name, (*axis)->broadcast,
-                            record::Batcher(decimation, max_batch, first_tick));
+  return SampleStream::Open((*axis)->name, (*axis)->broadcast, *cut, first_tick);
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include "server/record/event_log.h"
 #include "server/rpc/axis_registry.h"
 #include "server/rpc/rendering_service.h"
+#include "server/rpc/sample_encoding.h"
 #include "server/rpc/stability_service.h"
 
 namespace mwidth::offline {
@@ -22,7 +23,8 @@ namespace {
 
 // An axis whose loop never ticks.
 struct Axis {
-  explicit Axis(const server::AxisConfig& config) : gate(server::DescribeAxis(config), crossing, clock) {}
+  explicit Axis(const server::AxisConfig& config)
+      : broadcast(rpc::SampleEncoding(config.name)), gate(server::DescribeAxis(config), crossing, clock) {}
 
   exchange::MonotonicClock clock;
   exchange::Crossing crossing;

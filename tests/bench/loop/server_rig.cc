@@ -3,6 +3,8 @@
 #include <chrono>
 #include <stdexcept>
 
+#include "server/rpc/sample_encoding.h"
+
 namespace mwidth::bench {
 namespace {
 
@@ -59,7 +61,8 @@ T Granted(gate::Result<T> result) {
 }  // namespace
 
 ServerRig::ServerRig(WatchedClock& clock, double period_s, const render::RealtimeConfig& realtime)
-    : broadcast_({.max_subscribers = kMaxStreams, .max_queued_samples = kQueuedSamples}),
+    : broadcast_(rpc::SampleEncoding("joint"),
+                 {.max_subscribers = kMaxStreams, .max_queued_samples = kQueuedSamples}),
       events_(clock),
       drain_(crossing_.samples, {&broadcast_}, kDrainPeriod),
       loop_(drive_, crossing_, clock, LoopOf(Joint(period_s), realtime)),

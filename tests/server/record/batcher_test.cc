@@ -8,6 +8,7 @@
 #include <random>
 #include <span>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "tests/server/record/samples.h"
@@ -19,21 +20,18 @@ using exchange::Sample;
 using testing::ElementsAre;
 using testing::SizeIs;
 
-/// All batches out of `samples`, handed in `piece` samples at a time.
-std::vector<Batch> Cut(Batcher batcher, const std::vector<Sample>& samples, std::size_t piece) {
-  std::vector<Batch> batches(1);
+Cut Picked(uint32_t decimation, std::size_t max_batch) {
+  return {.decimation = decimation, .max_batch = max_batch};
+}
+
+/// All batches out of `samples`, `piece` of which come together at a time; what is held back comes last.
+std::vector<Batch> BatchesOf(Batcher batcher, const std::vector<Sample>& samples, std::size_t piece) {
+  std::vector<Batch> batches;
+  const auto keep = [&](const Batch& batch) { batches.push_back(batch); };
   for (std::size_t begin = 0; begin < samples.size(); begin += piece) {
-    std::span rest = std::span(samples).subspan(begin, std::min(piece, samples.size() - begin));
-    while (!rest.empty()) {
-      rest = rest.subspan(batcher.Fill(rest, batches.back()));
-      if (!rest.empty()) {
-        batches.emplace_back();
-      }
-    }
+    batcher.Take(std::span(samples).subspan(begin, std::min(piece, samples.size() - begin)), keep);
   }
-  if (batches.back().samples.empty()) {
-    batches.pop_back();
-  }
+  batcher.Flush(keep);
   return batches;
 }
 
@@ -46,7 +44,7 @@ std::vector<uint64_t> Ticks(const Batch& batch) {
 }
 
 TEST(BatcherTest, FillsBatchesUpToTheLimit) {
-  const std::vector<Batch> batches = Cut(Batcher(1, 4), *BlockOf(7, 10), 10);
+  const std::vector<Batch> batches = BatchesOf(Batcher(Picked(1, 4)), *BlockOf(7, 10), 10);
   ASSERT_THAT(batches, SizeIs(3));
   EXPECT_THAT(Ticks(batches[0]), ElementsAre(7, 8, 9, 10));
   EXPECT_THAT(Ticks(batches[1]), ElementsAre(11, 12, 13, 14));
@@ -56,15 +54,80 @@ TEST(BatcherTest, FillsBatchesUpToTheLimit) {
   EXPECT_EQ(batches[1].missed_ticks_before + batches[1].dropped_ticks_before, 0);
 }
 
-TEST(BatcherTest, JoinsSamplesOfSeveralCallsIntoOneBatch) {
-  const std::vector<Batch> batches = Cut(Batcher(1, 100), *BlockOf(0, 10), 3);
+TEST(BatcherTest, HoldsNothingBackWhereNoBatchIsTooSmall) {
+  const std::vector<Batch> batches = BatchesOf(Batcher(Picked(1, 100)), *BlockOf(0, 10), 3);
+  ASSERT_THAT(batches, SizeIs(4));
+  EXPECT_THAT(batches[2].samples, SizeIs(3));
+  EXPECT_THAT(batches[3].samples, SizeIs(1));
+}
+
+TEST(BatcherTest, HoldsSmallBatchesBackAndEndsThemAtFixedTicks) {
+  const Cut cut{.min_batch = 4, .max_batch = 4};
+  const std::vector<Batch> batches = BatchesOf(Batcher(cut), *BlockOf(2, 13), 3);
+  ASSERT_THAT(batches, SizeIs(4));
+  EXPECT_THAT(Ticks(batches[0]), ElementsAre(2, 3));
+  EXPECT_THAT(Ticks(batches[1]), ElementsAre(4, 5, 6, 7));
+  EXPECT_THAT(Ticks(batches[2]), ElementsAre(8, 9, 10, 11));
+  EXPECT_THAT(Ticks(batches[3]), ElementsAre(12, 13, 14));
+}
+
+TEST(BatcherTest, APhaseMovesTheEnds) {
+  const Cut cut{.decimation = 10, .min_batch = 4, .max_batch = 4};
+  const std::vector<Batch> batches = BatchesOf(Batcher(cut, 1), *BlockOf(0, 121), 7);
+  ASSERT_THAT(batches, SizeIs(4));
+  EXPECT_THAT(Ticks(batches[0]), ElementsAre(0, 10, 20));
+  EXPECT_THAT(Ticks(batches[1]), ElementsAre(30, 40, 50, 60));
+}
+
+TEST(BatcherTest, WhatComesTogetherStaysTogetherUpToTheLimit) {
+  const Cut cut{.min_batch = 4, .max_batch = 10};
+  const std::vector<Batch> batches = BatchesOf(Batcher(cut), *BlockOf(0, 24), 22);
+  ASSERT_THAT(batches, SizeIs(4));
+  EXPECT_THAT(batches[0].samples, SizeIs(8));
+  EXPECT_THAT(batches[1].samples, SizeIs(8));
+  EXPECT_THAT(batches[2].samples, SizeIs(4));
+  EXPECT_THAT(batches[3].samples, SizeIs(4));
+}
+
+TEST(BatcherTest, AGapFlushesWhatIsHeldBack) {
+  const Cut cut{.min_batch = 100, .max_batch = 100};
+  std::vector<Sample> samples = *BlockOf(0, 3);
+  samples.push_back(SampleAt(5));
+  samples.push_back(SampleAt(6));
+  std::vector<Batch> batches;
+  Batcher batcher(cut);
+  const auto keep = [&](const Batch& batch) { batches.push_back(batch); };
+  batcher.Take(samples, keep);
   ASSERT_THAT(batches, SizeIs(1));
-  EXPECT_THAT(batches[0].samples, SizeIs(10));
+  EXPECT_THAT(Ticks(batches[0]), ElementsAre(0, 1, 2));
+  batcher.Flush(keep);
+  ASSERT_THAT(batches, SizeIs(2));
+  EXPECT_EQ(batches[1].dropped_ticks_before, 2);
+  batcher.Flush(keep);
+  EXPECT_THAT(batches, SizeIs(2));
+}
+
+TEST(BatcherTest, ExtremesAreOfTheTicksSinceTheSampleBeforeButNotAcrossAGap) {
+  std::vector<Sample> samples;
+  for (const auto& [tick, position] :
+       {std::pair{8, 1.0}, {9, -2.0}, {10, 0.5}, {11, 3.0}, {12, 0.0}, {20, 0.25}}) {
+    samples.push_back(SampleAt(static_cast<uint64_t>(tick)));
+    samples.back().position = position;
+  }
+  const Cut cut{.decimation = 10, .reduction = Reduction::kMinMax};
+  const std::vector<Batch> batches = BatchesOf(Batcher(cut), samples, 100);
+  ASSERT_THAT(batches, SizeIs(2));
+  ASSERT_THAT(batches[0].extremes, SizeIs(1));
+  EXPECT_EQ(batches[0].extremes[0].position_min, -2);
+  EXPECT_EQ(batches[0].extremes[0].position_max, 1);
+  EXPECT_EQ(batches[0].samples[0].position, 0.5);
+  EXPECT_EQ(batches[1].extremes[0].position_min, 0.25);
+  EXPECT_EQ(batches[1].extremes[0].position_max, 0.25);
 }
 
 TEST(BatcherTest, AnAbsentTickBeginsANewBatchAndIsCounted) {
   const std::vector<Sample> samples = {SampleAt(0), SampleAt(1), SampleAt(5), SampleAt(6)};
-  const std::vector<Batch> batches = Cut(Batcher(1, 100), samples, 100);
+  const std::vector<Batch> batches = BatchesOf(Batcher(Picked(1, 100)), samples, 100);
   ASSERT_THAT(batches, SizeIs(2));
   EXPECT_THAT(Ticks(batches[0]), ElementsAre(0, 1));
   EXPECT_THAT(Ticks(batches[1]), ElementsAre(5, 6));
@@ -76,7 +139,7 @@ TEST(BatcherTest, AnAbsentTickBeginsANewBatchAndIsCounted) {
 TEST(BatcherTest, TellsTicksThatNeverRanFromTicksThatWereLost) {
   // 2, 3 and one of 4..7 never ran.
   const std::vector<Sample> samples = {SampleAt(1, 10), SampleAt(4, 12), SampleAt(8, 13)};
-  const std::vector<Batch> batches = Cut(Batcher(1, 100), samples, 100);
+  const std::vector<Batch> batches = BatchesOf(Batcher(Picked(1, 100)), samples, 100);
   ASSERT_THAT(batches, SizeIs(3));
   EXPECT_EQ(batches[1].missed_ticks_before, 2);
   EXPECT_EQ(batches[1].dropped_ticks_before, 0);
@@ -85,22 +148,16 @@ TEST(BatcherTest, TellsTicksThatNeverRanFromTicksThatWereLost) {
 }
 
 TEST(BatcherTest, NothingIsAbsentBeforeTheFirstSample) {
-  const std::vector<Batch> batches = Cut(Batcher(1, 100), {SampleAt(1000, 44)}, 1);
+  const std::vector<Batch> batches = BatchesOf(Batcher(Picked(1, 100)), {SampleAt(1000, 44)}, 1);
   ASSERT_THAT(batches, SizeIs(1));
   EXPECT_EQ(batches[0].missed_ticks_before, 0);
   EXPECT_EQ(batches[0].dropped_ticks_before, 0);
 }
 
-TEST(BatcherTest, PassesOverTicksBeforeTheFirst) {
-  const std::vector<Batch> batches = Cut(Batcher(1, 100, 12), *BlockOf(7, 10), 3);
-  ASSERT_THAT(batches, SizeIs(1));
-  EXPECT_THAT(Ticks(batches[0]), ElementsAre(12, 13, 14, 15, 16));
-  EXPECT_EQ(batches[0].missed_ticks_before + batches[0].dropped_ticks_before, 0);
-}
-
 TEST(BatcherTest, DecimationSelectsMultiplesWhereverTheStreamBegins) {
   for (const uint64_t first_tick : {91u, 95u, 100u}) {
-    const std::vector<Batch> batches = Cut(Batcher(10, 100), *BlockOf(first_tick, 131 - first_tick), 7);
+    const std::vector<Batch> batches =
+        BatchesOf(Batcher(Picked(10, 100)), *BlockOf(first_tick, 131 - first_tick), 1000);
     ASSERT_THAT(batches, SizeIs(1));
     EXPECT_THAT(Ticks(batches[0]), ElementsAre(100, 110, 120, 130));
     EXPECT_EQ(batches[0].decimation, 10);
@@ -112,7 +169,7 @@ TEST(BatcherTest, TellsTicksThatAreAbsentBetweenSelectedOnes) {
   std::vector<Sample> samples = *BlockOf(0, 3);
   const auto rest = BlockOf(6, 5, 1);
   samples.insert(samples.end(), rest->begin(), rest->end());
-  const std::vector<Batch> batches = Cut(Batcher(10, 100), samples, 100);
+  const std::vector<Batch> batches = BatchesOf(Batcher(Picked(10, 100)), samples, 100);
   ASSERT_THAT(batches, SizeIs(2));
   EXPECT_THAT(Ticks(batches[1]), ElementsAre(10));
   EXPECT_EQ(batches[1].missed_ticks_before, 1);
@@ -121,14 +178,15 @@ TEST(BatcherTest, TellsTicksThatAreAbsentBetweenSelectedOnes) {
 
 TEST(BatcherTest, AddsUpGapsUntilABatchCanTellThem) {
   const std::vector<Sample> samples = {SampleAt(0), SampleAt(2), SampleAt(5), SampleAt(10)};
-  const std::vector<Batch> batches = Cut(Batcher(10, 100), samples, 1);
+  const std::vector<Batch> batches = BatchesOf(Batcher(Picked(10, 100)), samples, 1);
   ASSERT_THAT(batches, SizeIs(2));
   EXPECT_EQ(batches[1].dropped_ticks_before, 1 + 2 + 4);
 }
 
 TEST(BatcherTest, RefusesDecimationOrBatchOfZero) {
-  EXPECT_THROW(Batcher(0, 1), std::invalid_argument);
-  EXPECT_THROW(Batcher(1, 0), std::invalid_argument);
+  EXPECT_THROW(Batcher(Picked(0, 1)), std::invalid_argument);
+  EXPECT_THROW(Batcher(Picked(1, 0)), std::invalid_argument);
+  EXPECT_THROW(Batcher({.min_batch = 11, .max_batch = 10}), std::invalid_argument);
 }
 
 /// A loop that misses ticks and a record that drops them, at random; with the truth about both.
@@ -161,7 +219,9 @@ TEST(BatcherTest, AccountsForEveryTickOfRandomRunsAtFullRate) {
   for (int run_number = 0; run_number < 200; ++run_number) {
     const LoopRun run(random);
     const std::size_t max_batch = 1 + random() % 40;
-    const std::vector<Batch> batches = Cut(Batcher(1, max_batch), run.samples, 1 + random() % 50);
+    const std::vector<Batch> batches =
+        BatchesOf(Batcher({.min_batch = 1 + random() % max_batch, .max_batch = max_batch}), run.samples,
+                  1 + random() % 50);
     uint64_t missed = 0;
     uint64_t dropped = 0;
     std::size_t count = 0;
@@ -188,7 +248,7 @@ TEST(BatcherTest, AccountsForEveryTickOfRandomRunsAtAnyDecimation) {
   for (int run_number = 0; run_number < 200; ++run_number) {
     const LoopRun run(random);
     const auto decimation = static_cast<uint32_t>(1 + random() % 12);
-    Batcher batcher(decimation, 1 + random() % 40);
+    const Batcher batcher(Picked(decimation, 1 + random() % 40));
     // A last sample that is selected, so that a batch tells the gaps before it.
     std::vector<Sample> samples = run.samples;
     while (samples.back().tick % decimation != 0) {
@@ -203,7 +263,7 @@ TEST(BatcherTest, AccountsForEveryTickOfRandomRunsAtAnyDecimation) {
     uint64_t missed = 0;
     uint64_t dropped = 0;
     std::vector<uint64_t> ticks;
-    for (const Batch& batch : Cut(batcher, samples, 1 + random() % 50)) {
+    for (const Batch& batch : BatchesOf(batcher, samples, 1 + random() % 50)) {
       for (std::size_t i = 0; i < batch.samples.size(); ++i) {
         ASSERT_EQ(batch.samples[i].tick, batch.first_tick + i * decimation);
         ticks.push_back(batch.samples[i].tick);

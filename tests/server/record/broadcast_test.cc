@@ -11,6 +11,7 @@
 #include <optional>
 #include <random>
 #include <semaphore>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -29,60 +30,134 @@ struct Account {
   std::optional<uint64_t> next_tick;
 
   void TakeAll(Subscription& subscription) {
-    while (const std::optional<Delivery> delivery = subscription.Take()) {
-      const uint64_t first = delivery->block->front().tick;
-      // Before its first block a subscriber has lost nothing.
-      consistent = consistent && first == next_tick.value_or(first) + delivery->dropped_before;
-      received += delivery->block->size();
-      dropped += delivery->dropped_before;
-      next_tick = delivery->block->back().tick + 1;
+    for (Delivery delivery; subscription.Take(delivery);) {
+      const uint64_t first = delivery.first_tick();
+      // Before its first batch a subscriber has lost nothing.
+      consistent = consistent && first == next_tick.value_or(first) + delivery.dropped_ticks_before;
+      received += delivery.samples();
+      dropped += delivery.dropped_ticks_before;
+      next_tick = first + delivery.samples();
     }
   }
 };
 
-TEST(BroadcastTest, SharesEveryBlockInOrderWithEverySubscriber) {
-  Broadcast broadcast;
-  const auto first = broadcast.Subscribe(Ignore);
-  const auto second = broadcast.Subscribe(Ignore);
-  const std::vector blocks = {BlockOf(0, 5), BlockOf(5, 3), BlockOf(8, 1)};
-  for (const auto& block : blocks) {
-    broadcast.Consume(block);
-  }
-  for (const auto& subscription : {first.get(), second.get()}) {
-    for (const auto& block : blocks) {
-      const std::optional<Delivery> delivery = subscription->Take();
-      ASSERT_TRUE(delivery);
-      EXPECT_EQ(delivery->block, block);
-      EXPECT_EQ(delivery->dropped_before, 0);
+std::string TakeBytes(Subscription& subscription) {
+  std::string bytes;
+  for (Delivery delivery; subscription.Take(delivery);) {
+    for (const auto& batch : delivery.batches) {
+      bytes += batch->bytes;
     }
-    EXPECT_FALSE(subscription->Take());
+    bytes += ";";
   }
+  return bytes;
+}
+
+TEST(BroadcastTest, EncodesABatchOnceForAllSubscribersOfOneCut) {
+  int encodings = 0;
+  Broadcast broadcast([&](const Batch& batch) {
+    ++encodings;
+    return EncodeTicks(batch);
+  });
+  const auto first = broadcast.Subscribe({}, 0, Ignore);
+  const auto second = broadcast.Subscribe({}, 0, Ignore);
+  const auto other = broadcast.Subscribe({.decimation = 2}, 0, Ignore);
+  EXPECT_EQ(broadcast.groups(), 2);
+  // The first batch of a stream is its own, or shared by those who begin together.
+  broadcast.Consume(BlockOf(0, 4));
+  encodings = 0;
+  broadcast.Consume(BlockOf(4, 4));
+  EXPECT_EQ(encodings, 2);
+  Delivery of_first;
+  Delivery of_second;
+  ASSERT_TRUE(first->Take(of_first));
+  ASSERT_TRUE(second->Take(of_second));
+  EXPECT_EQ(of_first.batches.back(), of_second.batches.back());
+  EXPECT_EQ(TakeBytes(*other), " 0 2 4 6;");
+}
+
+TEST(BroadcastTest, ASubscriptionBeginsWithItsFirstTickInTheMiddleOfABatch) {
+  Broadcast broadcast(EncodeTicks);
+  const Cut cut{.min_batch = 8, .max_batch = 8};
+  const auto early = broadcast.Subscribe(cut, 0, Ignore);
+  broadcast.Consume(BlockOf(0, 4));
+  const auto late = broadcast.Subscribe(cut, 6, Ignore);
+  const auto later = broadcast.Subscribe(cut, 9, Ignore);
+  broadcast.Consume(BlockOf(4, 4));
+  EXPECT_EQ(TakeBytes(*early), " 0 1 2 3 4 5 6 7;");
+  EXPECT_EQ(TakeBytes(*late), " 6 7;");
+  EXPECT_EQ(TakeBytes(*later), "");
+  broadcast.Consume(BlockOf(8, 8));
+  EXPECT_EQ(TakeBytes(*late), " 8 9 10 11 12 13 14 15;");
+  EXPECT_EQ(TakeBytes(*later), " 9 10 11 12 13 14 15;");
+}
+
+TEST(BroadcastTest, NothingIsAbsentBeforeTheFirstSampleOfASubscription) {
+  Broadcast broadcast(EncodeTicks);
+  const auto early = broadcast.Subscribe({}, 0, Ignore);
+  broadcast.Consume(BlockOf(0, 4));
+  const auto late = broadcast.Subscribe({}, 0, Ignore);
+  broadcast.Consume(BlockOf(10, 4));
+  Delivery delivery;
+  ASSERT_TRUE(late->Take(delivery));
+  EXPECT_EQ(delivery.dropped_ticks_before, 0);
+  ASSERT_TRUE(early->Take(delivery));
+  ASSERT_TRUE(early->Take(delivery));
+  EXPECT_EQ(delivery.dropped_ticks_before, 6);
 }
 
 TEST(BroadcastTest, DeliversWhatComesAfterTheSubscription) {
-  Broadcast broadcast;
+  Broadcast broadcast(EncodeTicks);
   broadcast.Consume(BlockOf(0, 5));
-  const auto subscription = broadcast.Subscribe(Ignore);
-  EXPECT_FALSE(subscription->Take());
-  broadcast.Consume(BlockOf(5, 5));
-  EXPECT_EQ(subscription->Take()->block->front().tick, 5);
+  const auto subscription = broadcast.Subscribe({}, 0, Ignore);
+  broadcast.Consume(BlockOf(5, 2));
+  EXPECT_EQ(TakeBytes(*subscription), " 5 6;");
 }
 
-TEST(BroadcastTest, NotifiesOncePerQueuedBlockAndNotForADroppedOne) {
-  Broadcast broadcast({.max_queued_samples = 10});
+TEST(BroadcastTest, EndsTheBatchesOfManySubscribersAtDifferentTicks) {
+  Broadcast broadcast(EncodeTicks, {.max_subscribers = 4 * Broadcast::kGroupSize});
+  const Cut cut{.min_batch = 16, .max_batch = 16};
+  std::vector<std::unique_ptr<Subscription>> subscriptions;
+  std::vector<Account> accounts(4 * Broadcast::kGroupSize);
+  std::vector<std::size_t> written_at(16);
+  for (std::size_t i = 0; i < accounts.size(); ++i) {
+    subscriptions.push_back(broadcast.Subscribe(cut, 0, Ignore));
+  }
+  EXPECT_EQ(broadcast.groups(), 4);
+  for (uint64_t tick = 0; tick < 64; ++tick) {
+    broadcast.Consume(BlockOf(tick, 1));
+    for (std::size_t i = 0; i < accounts.size(); ++i) {
+      const uint64_t before = accounts[i].received;
+      accounts[i].TakeAll(*subscriptions[i]);
+      written_at[tick % 16] += accounts[i].received > before ? 1 : 0;
+    }
+  }
+  // A quarter of them each time, four times each.
+  EXPECT_THAT(written_at, testing::ElementsAre(0, 0, 0, 256, 0, 0, 0, 256, 0, 0, 0, 256, 0, 0, 0, 256));
+  broadcast.Close();
+  for (std::size_t i = 0; i < accounts.size(); ++i) {
+    accounts[i].TakeAll(*subscriptions[i]);
+    EXPECT_EQ(accounts[i].received, 64);
+    EXPECT_EQ(accounts[i].dropped, 0);
+  }
+  subscriptions.clear();
+  EXPECT_EQ(broadcast.groups(), 0);
+}
+
+TEST(BroadcastTest, NotifiesOncePerBlockThatHasBatches) {
+  Broadcast broadcast(EncodeTicks, {.max_queued_samples = 100});
   int notifications = 0;
-  const auto subscription = broadcast.Subscribe([&] { ++notifications; });
-  broadcast.Consume(BlockOf(0, 5));
-  broadcast.Consume(BlockOf(5, 5));
-  EXPECT_EQ(notifications, 2);
-  broadcast.Consume(BlockOf(10, 5));
-  EXPECT_EQ(notifications, 2);
+  const auto subscription =
+      broadcast.Subscribe({.decimation = 10, .max_batch = 1}, 0, [&] { ++notifications; });
+  broadcast.Consume(BlockOf(1, 9));
+  EXPECT_EQ(notifications, 0);
+  broadcast.Consume(BlockOf(10, 30));
+  EXPECT_EQ(notifications, 1);
 }
 
-TEST(BroadcastTest, DropsTheNewestForASlowSubscriberAloneAndTellsItWithTheNextBlock) {
-  Broadcast broadcast({.max_queued_samples = 10});
-  const auto slow = broadcast.Subscribe(Ignore);
-  const auto fast = broadcast.Subscribe(Ignore);
+TEST(BroadcastTest, DropsTheNewestForASlowSubscriberAloneAndTellsItWithTheNextBatch) {
+  Broadcast broadcast(EncodeTicks, {.max_queued_samples = 10});
+  const auto slow = broadcast.Subscribe({}, 0, Ignore);
+  const auto fast = broadcast.Subscribe({}, 0, Ignore);
   Account of_fast;
   for (uint64_t tick = 0; tick < 40; tick += 4) {
     broadcast.Consume(BlockOf(tick, 4));
@@ -90,57 +165,47 @@ TEST(BroadcastTest, DropsTheNewestForASlowSubscriberAloneAndTellsItWithTheNextBl
   }
   EXPECT_EQ(of_fast.received, 40);
   EXPECT_EQ(of_fast.dropped, 0);
-  // Two blocks of four fit into ten samples; the eight that followed did not.
-  EXPECT_EQ(slow->Take()->block->front().tick, 0);
-  EXPECT_EQ(slow->Take()->block->front().tick, 4);
-  EXPECT_FALSE(slow->Take());
+  // Two batches of four fit into ten samples, and make one; the eight that followed did not.
+  EXPECT_EQ(TakeBytes(*slow), " 0 1 2 3 4 5 6 7;");
   broadcast.Consume(BlockOf(40, 4));
   broadcast.Consume(BlockOf(44, 4));
-  const std::optional<Delivery> resumed = slow->Take();
-  EXPECT_EQ(resumed->block->front().tick, 40);
-  EXPECT_EQ(resumed->dropped_before, 32);
-  EXPECT_EQ(slow->Take()->dropped_before, 0);
-}
-
-TEST(BroadcastTest, AnEmptyQueueTakesABlockLargerThanItsLimit) {
-  Broadcast broadcast({.max_queued_samples = 10});
-  const auto subscription = broadcast.Subscribe(Ignore);
-  broadcast.Consume(BlockOf(0, 500));
-  broadcast.Consume(BlockOf(500, 1));
-  EXPECT_EQ(subscription->Take()->block->size(), 500);
-  EXPECT_FALSE(subscription->Take());
-  broadcast.Consume(BlockOf(501, 1));
-  EXPECT_EQ(subscription->Take()->dropped_before, 1);
+  Delivery resumed;
+  ASSERT_TRUE(slow->Take(resumed));
+  EXPECT_EQ(resumed.first_tick(), 40);
+  EXPECT_EQ(resumed.dropped_ticks_before, 32);
+  EXPECT_FALSE(resumed.as_encoded());
+  EXPECT_EQ(resumed.samples(), 8);
 }
 
 TEST(BroadcastTest, RefusesSubscribersBeyondTheLimitUntilOneLeaves) {
-  Broadcast broadcast({.max_subscribers = 2});
-  auto first = broadcast.Subscribe(Ignore);
-  const auto second = broadcast.Subscribe(Ignore);
-  EXPECT_EQ(broadcast.Subscribe(Ignore), nullptr);
+  Broadcast broadcast(EncodeTicks, {.max_subscribers = 2});
+  auto first = broadcast.Subscribe({}, 0, Ignore);
+  const auto second = broadcast.Subscribe({}, 0, Ignore);
+  EXPECT_EQ(broadcast.Subscribe({}, 0, Ignore), nullptr);
   EXPECT_EQ(broadcast.subscribers(), 2);
   first.reset();
-  EXPECT_NE(broadcast.Subscribe(Ignore), nullptr);
+  EXPECT_NE(broadcast.Subscribe({}, 0, Ignore), nullptr);
 }
 
 TEST(BroadcastTest, EndsSubscriptionsOnceEverythingIsTaken) {
-  Broadcast broadcast;
+  Broadcast broadcast(EncodeTicks);
   int notifications = 0;
-  const auto subscription = broadcast.Subscribe([&] { ++notifications; });
+  const auto subscription = broadcast.Subscribe({}, 0, [&] { ++notifications; });
   broadcast.Consume(BlockOf(0, 5));
   broadcast.Close();
   EXPECT_EQ(notifications, 2);
   EXPECT_FALSE(subscription->ended());
-  EXPECT_TRUE(subscription->Take());
+  Delivery delivery;
+  EXPECT_TRUE(subscription->Take(delivery));
   EXPECT_TRUE(subscription->ended());
-  EXPECT_TRUE(broadcast.Subscribe(Ignore)->ended());
+  EXPECT_TRUE(broadcast.Subscribe({}, 0, Ignore)->ended());
 }
 
 TEST(BroadcastTest, ANotificationMayEndItsOwnSubscription) {
-  Broadcast broadcast;
+  Broadcast broadcast(EncodeTicks);
   int notifications = 0;
   std::unique_ptr<Subscription> subscription;
-  subscription = broadcast.Subscribe([&] {
+  subscription = broadcast.Subscribe({}, 0, [&] {
     ++notifications;
     subscription.reset();
   });
@@ -151,31 +216,33 @@ TEST(BroadcastTest, ANotificationMayEndItsOwnSubscription) {
 }
 
 TEST(BroadcastTest, ANotificationMayEndAnotherSubscriptionAndBeginOne) {
-  Broadcast broadcast;
+  Broadcast broadcast(EncodeTicks);
   int notifications_of_other = 0;
   std::unique_ptr<Subscription> other;
   std::unique_ptr<Subscription> late;
-  const auto subscription = broadcast.Subscribe([&] {
+  const auto subscription = broadcast.Subscribe({}, 0, [&] {
     other.reset();
     if (late == nullptr) {
-      late = broadcast.Subscribe(Ignore);
+      late = broadcast.Subscribe({}, 0, Ignore);
     }
   });
-  other = broadcast.Subscribe([&] { ++notifications_of_other; });
+  other = broadcast.Subscribe({}, 0, [&] { ++notifications_of_other; });
   broadcast.Consume(BlockOf(0, 1));
   EXPECT_EQ(notifications_of_other, 0);
-  EXPECT_FALSE(late->Take());
+  Delivery delivery;
+  EXPECT_FALSE(late->Take(delivery));
   broadcast.Consume(BlockOf(1, 1));
-  EXPECT_EQ(late->Take()->block->front().tick, 1);
+  ASSERT_TRUE(late->Take(delivery));
+  EXPECT_EQ(delivery.first_tick(), 1);
 }
 
 TEST(BroadcastTest, EndingASubscriptionWaitsForItsRunningNotification) {
-  Broadcast broadcast;
+  Broadcast broadcast(EncodeTicks);
   std::latch notified(1);
   std::latch ending(1);
   std::atomic<bool> ended = false;
   bool ended_during_notification = true;
-  auto subscription = broadcast.Subscribe([&] {
+  auto subscription = broadcast.Subscribe({}, 0, [&] {
     notified.count_down();
     ending.wait();
     std::this_thread::yield();  // so that an end that does not wait would get its chance
@@ -193,7 +260,7 @@ TEST(BroadcastTest, EndingASubscriptionWaitsForItsRunningNotification) {
 TEST(BroadcastTest, AccountsForEverySampleWhileSubscribersComeAndGo) {
   constexpr int kThreads = 4;
   constexpr int kVisits = 20;
-  Broadcast broadcast({.max_subscribers = kThreads, .max_queued_samples = 20});
+  Broadcast broadcast(EncodeTicks, {.max_subscribers = kThreads, .max_queued_samples = 20});
   std::atomic<int> visitors = kThreads;
   std::vector<std::thread> threads;
   threads.reserve(kThreads);
@@ -202,7 +269,7 @@ TEST(BroadcastTest, AccountsForEverySampleWhileSubscribersComeAndGo) {
       std::mt19937 random(static_cast<std::mt19937::result_type>(seed));
       for (int visit = 0; visit < kVisits; ++visit) {
         std::counting_semaphore notified(0);
-        const auto subscription = broadcast.Subscribe([&] { notified.release(); });
+        const auto subscription = broadcast.Subscribe({}, 0, [&] { notified.release(); });
         ASSERT_NE(subscription, nullptr);
         Account account;
         const auto wanted = random() % 100;

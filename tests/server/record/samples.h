@@ -4,7 +4,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <string>
 
+#include "server/record/batcher.h"
 #include "server/record/sample_sink.h"
 
 namespace mwidth::record {
@@ -24,6 +26,15 @@ inline std::shared_ptr<const SampleBlock> BlockOf(uint64_t first_tick, std::size
     block->push_back(SampleAt(first_tick + i, missed_ticks));
   }
   return block;
+}
+
+/// An encoding that a test can read: the ticks, each behind a space.
+inline std::string EncodeTicks(const Batch& batch) {
+  std::string ticks;
+  for (const exchange::Sample& sample : batch.samples) {
+    ticks += " " + std::to_string(sample.tick);
+  }
+  return ticks;
 }
 
 }  // namespace mwidth::record

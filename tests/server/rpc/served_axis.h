@@ -21,6 +21,7 @@
 #include "server/record/broadcast.h"
 #include "server/record/event_log.h"
 #include "server/rpc/axis_registry.h"
+#include "server/rpc/sample_encoding.h"
 #include "server/rpc/server.h"
 #include "tests/server/gate/axis_fixture.h"
 
@@ -51,7 +52,7 @@ class TickingAxis {
   gate::FakeClock clock_;
   std::unique_ptr<exchange::Crossing> crossing_ = std::make_unique<exchange::Crossing>();
   gate::AxisGate gate_;
-  record::Broadcast broadcast_;
+  record::Broadcast broadcast_{SampleEncoding(name_)};
   record::EventLog events_{clock_};
   std::mutex loop_mutex_;
   gate::FakeLoop loop_;

@@ -16,6 +16,7 @@
 #include "server/record/broadcast.h"
 #include "server/record/event_log.h"
 #include "server/rpc/axis_registry.h"
+#include "server/rpc/sample_encoding.h"
 #include "server/rpc/telemetry_service.h"
 #include "tests/server/gate/axis_fixture.h"
 
@@ -97,6 +98,8 @@ class TelemetryFixture : public testing::Test {
     return request;
   }
 
+  Stream Open(const v1::StreamSamplesRequest& request) { return {*stub_, request}; }
+
   Stream Open(uint32_t decimation = 0, uint32_t max_batch = 0, const std::string& axis = "") {
     return {*stub_, Request(decimation, max_batch, axis)};
   }
@@ -104,6 +107,8 @@ class TelemetryFixture : public testing::Test {
   grpc::Status Refusal(uint32_t decimation, uint32_t max_batch, const std::string& axis = "") {
     return Open(decimation, max_batch, axis).Finish();
   }
+
+  grpc::Status Refusal(const v1::StreamSamplesRequest& request) { return Open(request).Finish(); }
 
   void AwaitSubscribers(std::size_t count) const {
     while (broadcast_.subscribers() != count) {
@@ -114,7 +119,8 @@ class TelemetryFixture : public testing::Test {
   const std::unique_ptr<exchange::Crossing> crossing_ = std::make_unique<exchange::Crossing>();
   exchange::MonotonicClock clock_;
   gate::AxisGate gate_{gate::PaperAxis(), *crossing_, clock_};
-  record::Broadcast broadcast_{{.max_subscribers = kMaxStreams, .max_queued_samples = kMaxQueuedSamples}};
+  record::Broadcast broadcast_{SampleEncoding("elbow"),
+                               {.max_subscribers = kMaxStreams, .max_queued_samples = kMaxQueuedSamples}};
   record::EventLog events_{clock_};
   AxisRegistry axes_;
   TelemetryService service_{axes_};
