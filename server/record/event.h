@@ -40,8 +40,8 @@ struct Event {
   /// The axis's clock.
   int64_t monotonic_ns = 0;
   /// For a person: what happened, and where there is something to do, what.
-  std::string message;
-  std::map<std::string, std::string> metadata;
+  std::string message{};
+  std::map<std::string, std::string> metadata{};
 
   bool operator==(const Event&) const = default;
 };

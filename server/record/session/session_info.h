@@ -22,7 +22,7 @@ struct SessionLabels {
   /// Who ran the session, if it is told.
   std::string operator_name;
   /// Free, for the study.
-  std::map<std::string, std::string> metadata;
+  std::map<std::string, std::string> metadata{};
 
   bool operator==(const SessionLabels&) const = default;
 };
@@ -89,11 +89,11 @@ struct SessionInfo {
 struct Marker {
   /// From 1 within the session.
   uint64_t number = 0;
-  std::string label;
+  std::string label{};
   /// "trial_start" and "trial_end" bound a trial (reports and exports know them); anything else is the
   /// study's own.
-  std::string kind;
-  std::map<std::string, std::string> metadata;
+  std::string kind{};
+  std::map<std::string, std::string> metadata{};
   /// When it was, on the axis's clock, and how far off that may be; when it arrived.
   int64_t monotonic_ns = 0;
   int64_t error_ns = 0;
