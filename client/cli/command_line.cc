@@ -10,7 +10,7 @@ namespace {
 constexpr const char* kExitCodes = R"(Exit codes:
   0  done
   1  the server said no: an unstable mass, control held by another client, a wrong state, a fault while holding;
-     a drive that cannot be armed
+     a drive that cannot be armed; a session that is damaged, or an export that would replace something
   2  the command line is wrong
   3  the server cannot be reached, or something else failed
 
@@ -21,6 +21,7 @@ Examples:
   mwidth set-mass -0.05 --hold 10
   mwidth set-filter --estimator butterworth 20
   mwidth --server robot:50051 stream --csv reach.csv --seconds 5
+  mwidth session export sub-01_task-reach_run-1 --to study --format bids
   mwidth stop)";
 
 void DefineSetMass(CLI::App& app, CommandLine& line) {
@@ -175,6 +176,7 @@ void Define(CLI::App& app, CommandLine& line) {
   DefineStream(app, line);
   DefineFigures(app, line);
   DefineDrive(app, line);
+  DefineSession(app, line);
 }
 
 }  // namespace mwidth::cli

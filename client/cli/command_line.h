@@ -8,8 +8,23 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace mwidth::cli {
+
+/// `mwidth session VERB`.
+struct SessionOptions {
+  std::string verb;
+  /// Where sessions are.
+  std::string folder = "mwidth-sessions";
+  /// Their names, or files.
+  std::vector<std::string> sessions;
+
+  // export
+  std::string to;
+  std::string format;
+  bool force = false;
+};
 
 /// The parsed command line; what was not given is unset or has its default.
 struct CommandLine {
@@ -70,6 +85,8 @@ struct CommandLine {
   // figures
   std::string out;
   bool png = false;
+
+  SessionOptions session;
 };
 
 /// Adds a subcommand with its description and its examples as a footer.
@@ -82,6 +99,9 @@ CLI::Option* AddEstimatorOption(CLI::App* command, const std::string& descriptio
 
 /// Adds m-width, sweep, bode and accuracy (analysis_options.cc).
 void DefineAnalyses(CLI::App& app, CommandLine& line);
+
+/// Adds session and its own subcommands (session_options.cc).
+void DefineSession(CLI::App& app, CommandLine& line);
 
 /// Adds all options and subcommands to `app`; parsing fills `line`, which must outlive it.
 void Define(CLI::App& app, CommandLine& line);

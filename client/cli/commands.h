@@ -22,5 +22,6 @@ int RunClearFault(const CommandLine& line);
 int RunStream(const CommandLine& line);
 int RunFigures(const CommandLine& line);
 int RunDriveProbe(const CommandLine& line);
+int RunSession(const CommandLine& line);
 
 }  // namespace mwidth::cli

@@ -29,7 +29,8 @@ int Run(const std::string& command, const CommandLine& line) {
       {"clear-fault", RunClearFault},
       {"stream", RunStream},
       {"figures", RunFigures},
-      {"drive", RunDriveProbe}};
+      {"drive", RunDriveProbe},
+      {"session", RunSession}};
   try {
     return commands.at(command)(line);
   } catch (const client::Error& error) {

@@ -29,6 +29,7 @@ class Handle {
     }
   }
   hid_t get() const { return id_; }
+  void Abandon() { id_ = -1; }
   herr_t Close() { return close_(std::exchange(id_, -1)); }
 
  private:
@@ -103,6 +104,17 @@ class Hdf5File::Parts {
  public:
   Parts(const std::filesystem::path& path, std::string name)
       : name_(std::move(name)), file_(Create(path), H5Fclose), string_(StringType()) {}
+  Parts(const Parts&) = delete;
+  Parts& operator=(const Parts&) = delete;
+  ~Parts() {
+    // HDF5 1.10 crashes when it is to close what it could not write: that stays open until the process ends.
+    if (failed_) {
+      file_.Abandon();
+      for (GrowingColumn& column : series_) {
+        column.dataset.Abandon();
+      }
+    }
+  }
 
   void Group(const std::string& path) {
     const Handle group(Check(H5Gcreate2(file_.get(), path.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT)),
@@ -177,20 +189,23 @@ class Hdf5File::Parts {
   };
 
   template <typename Result>
-  Result Check(Result result) const {
+  Result Check(Result result) {
     if (result < 0) {
+      failed_ = true;
       throw std::runtime_error("cannot write " + name_ + ": " + InnermostError());
     }
     return result;
   }
 
-  hid_t Create(const std::filesystem::path& path) const {
+  hid_t Create(const std::filesystem::path& path) {
+    // Nor may it try again when the process ends.
+    H5dont_atexit();
     // Errors come as exceptions; the library would print them, too.
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
     return Check(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT));
   }
 
-  Handle StringType() const {
+  Handle StringType() {
     Handle type(Check(H5Tcopy(H5T_C_S1)), H5Tclose);
     Check(H5Tset_size(type.get(), H5T_VARIABLE));
     Check(H5Tset_cset(type.get(), H5T_CSET_UTF8));
@@ -215,6 +230,7 @@ class Hdf5File::Parts {
   }
 
   std::string name_;
+  bool failed_ = false;
   Handle file_;
   Handle string_;
   std::vector<GrowingColumn> series_;

@@ -1,0 +1,19 @@
+#include <functional>
+#include <map>
+#include <string>
+
+#include "client/cli/commands.h"
+#include "client/cli/session/verbs.h"
+
+namespace mwidth::cli {
+
+int RunSession(const CommandLine& line) {
+  static const std::map<std::string, std::function<int(const CommandLine&)>> verbs = {
+      {"list", session::List},
+      {"show", session::Show},
+      {"export", session::Export},
+      {"verify", session::Verify}};
+  return verbs.at(line.session.verb)(line);
+}
+
+}  // namespace mwidth::cli

@@ -1,0 +1,64 @@
+// session: recorded sessions, their files and what is made of them.
+#include "client/cli/command_line.h"
+
+namespace mwidth::cli {
+namespace {
+
+CLI::App* Verb(CLI::App& session, CommandLine& line, const std::string& name, const std::string& description,
+               const std::string& examples) {
+  auto* verb = Subcommand(session, name, description, examples);
+  verb->callback([&line, name] { line.session.verb = name; });
+  return verb;
+}
+
+CLI::Option* AddSessions(CLI::App* verb, CommandLine& line, const std::string& description) {
+  return verb->add_option("session", line.session.sessions, description)->type_name("SESSION");
+}
+
+void DefineExport(CLI::App& session, CommandLine& line) {
+  auto* verb = Verb(session, line, "export",
+                    "Write sessions for other programs. Nothing that is there is replaced without --force; "
+                    "blocks that are damaged are left out, told, and exit code 1",
+                    "  mwidth session export sub-01_task-reach_run-1 --to out --format csv\n"
+                    "  mwidth session export --folder /srv/sessions sub-01_task-reach_run-1 "
+                    "sub-01_task-reach_run-2 --to study --format bids");
+  AddSessions(verb, line, "Names or files")->required();
+  verb->add_option(
+          "--to", line.session.to,
+          "Folder: csv makes a folder of each session's name in it, hdf5 a file; bids adds them to the "
+          "dataset that it is, or becomes")
+      ->required()
+      ->type_name("FOLDER");
+  verb->add_option("--format", line.session.format, "csv, hdf5 or bids (Motion-BIDS)")
+      ->required()
+      ->check(CLI::IsMember({"csv", "hdf5", "bids"}));
+  verb->add_flag("--force", line.session.force, "Replace what an earlier export of the session wrote");
+}
+
+}  // namespace
+
+void DefineSession(CLI::App& app, CommandLine& line) {
+  auto* session =
+      Subcommand(app, "session", "Recorded sessions: a session is named as the list has it, or by its file",
+                 "  mwidth session list\n"
+                 "  mwidth session show sub-01_task-reach_run-1\n"
+                 "  mwidth session export sub-01_task-reach_run-1 --to study --format bids\n"
+                 "  mwidth session verify mwidth-sessions/*");
+  session->require_subcommand(1);
+  session->add_option("--folder", line.session.folder, "Where the sessions are")
+      ->envname("MWIDTH_SESSIONS")
+      ->capture_default_str();
+  Verb(*session, line, "list", "The sessions in the folder, the newest first", "  mwidth session list");
+  auto* show = Verb(*session, line, "show", "All that a session says of itself but its samples",
+                    "  mwidth session show sub-01_task-reach_run-1");
+  AddSessions(show, line, "Name or file")->required()->expected(1);
+  DefineExport(*session, line);
+  auto* verify =
+      Verb(*session, line, "verify",
+           "Check every block of sessions against its checksums, and compute every column again; exit "
+           "code 1 where anything is damaged",
+           "  mwidth session verify sub-01_task-reach_run-1");
+  AddSessions(verify, line, "Names or files")->required();
+}
+
+}  // namespace mwidth::cli
