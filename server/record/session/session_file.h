@@ -38,7 +38,8 @@ enum class Durability : uint8_t {
 
 /// Holds back what it is given until Commit, which writes all of it or, when it throws, nothing, and may be
 /// tried again. The newest samples go into small blocks, cheap to write often; as soon as there are
-/// kBlockSamples of them, or a tick is lost behind them, they become one block of their own. One thread.
+/// kBlockSamples of them, or a tick is lost behind them, they become one block of their own. One thread, but
+/// for Sync.
 class SessionFile {
  public:
   static constexpr std::size_t kBlockSamples = 4096;
@@ -63,11 +64,15 @@ class SessionFile {
   bool HasPending() const;
   /// How many samples wait for Commit.
   std::size_t pending_samples() const;
-  /// Throws StorageError.
+  /// Waits for no disk, unless `durability` is kPower: then it is followed by a Sync. Throws StorageError.
   void Commit(Durability durability);
 
+  /// Waits until what was committed before is on the disk. Any thread, also while another commits; in a
+  /// server a thread of its own, so that a disk that is slow holds up no commit. Throws StorageError.
+  void Sync();
+
   /// Commits all to the disk, `state` and `end_wall_ns` with it, and leaves a single file, unless somebody
-  /// reads it just now. Throws StorageError; may be tried again.
+  /// reads it just now. Throws StorageError; may be tried again. Afterwards only destroy it.
   void End(SessionState state, std::optional<int64_t> end_wall_ns);
 
  private:
