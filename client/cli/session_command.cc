@@ -12,7 +12,9 @@ int RunSession(const CommandLine& line) {
       {"list", session::List},
       {"show", session::Show},
       {"export", session::Export},
-      {"verify", session::Verify}};
+      {"verify", session::Verify},
+      {"report", session::Report},
+      {"replay", session::Replay}};
   return verbs.at(line.session.verb)(line);
 }
 

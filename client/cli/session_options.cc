@@ -35,6 +35,30 @@ void DefineExport(CLI::App& session, CommandLine& line) {
   verb->add_flag("--force", line.session.force, "Replace what an earlier export of the session wrote");
 }
 
+void DefineReport(CLI::App& session, CommandLine& line) {
+  auto* verb =
+      Verb(session, line, "report",
+           "Write one page of HTML with pictures: each trial and movement, overshoot, commanded and "
+           "perceived mass, margins, events. Markers of kind trial_start and trial_end bound trials; "
+           "their metadata target_deg, target_rad or target_m, and start_.., say where a reach goes. "
+           "Blocks that are damaged are left out, told, and exit code 1",
+           "  mwidth session report sub-01_task-reach_run-1\n"
+           "  mwidth session report sub-01_task-reach_run-1 --to reach.html");
+  AddSessions(verb, line, "Name or file")->required()->expected(1);
+  verb->add_option("--to", line.session.to, "The page; default: the session's name with .html")
+      ->type_name("FILE");
+}
+
+void DefineReplay(CLI::App& session, CommandLine& line) {
+  auto* verb = Verb(
+      session, line, "replay",
+      "Send the recorded positions once more through the estimator and the force law, and compare every "
+      "bit of motion and force: proves what ran, with the same build. Exit code 1 where anything differs "
+      "or cannot be compared",
+      "  mwidth session replay sub-01_task-reach_run-1");
+  AddSessions(verb, line, "Names or files")->required();
+}
+
 }  // namespace
 
 void DefineSession(CLI::App& app, CommandLine& line) {
@@ -59,6 +83,8 @@ void DefineSession(CLI::App& app, CommandLine& line) {
            "code 1 where anything is damaged",
            "  mwidth session verify sub-01_task-reach_run-1");
   AddSessions(verify, line, "Names or files")->required();
+  DefineReport(*session, line);
+  DefineReplay(*session, line);
 }
 
 }  // namespace mwidth::cli

@@ -10,5 +10,9 @@ int List(const CommandLine& line);
 int Show(const CommandLine& line);
 int Export(const CommandLine& line);
 int Verify(const CommandLine& line);
+/// Writes a page for people (report.cc).
+int Report(const CommandLine& line);
+/// Proves what ran (replay.cc).
+int Replay(const CommandLine& line);
 
 }  // namespace mwidth::cli::session

@@ -139,8 +139,8 @@ void Replay::CompareForce(const exchange::Sample& sample) {
   }
   Compare(sample.tick, ReplayedColumn::kForceCounts, sample.force_counts, force.counts);
   Compare(sample.tick, ReplayedColumn::kForce, sample.force, force.counts * axis_.force_quantum);
-  Compare(sample.tick, ReplayedColumn::kSaturated, sample.saturated, force.saturated);
-  Compare(sample.tick, ReplayedColumn::kSlewLimited, sample.slew_limited, force.slew_limited);
+  Compare(sample.tick, ReplayedColumn::kSaturated, sample.saturated ? 1 : 0, force.saturated ? 1 : 0);
+  Compare(sample.tick, ReplayedColumn::kSlewLimited, sample.slew_limited ? 1 : 0, force.slew_limited ? 1 : 0);
 }
 
 void Replay::Compare(uint64_t tick, ReplayedColumn column, double recorded, double computed) {

@@ -1,0 +1,122 @@
+#include "client/cli/session/html.h"
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <ctime>
+
+#include "client/cli/numbers.h"
+
+namespace mwidth::cli::session {
+namespace {
+
+constexpr const char* kReplacement = "\xEF\xBF\xBD";
+constexpr const char* kMinus = "\xE2\x88\x92";
+constexpr const char* kNone = "\xE2\x80\x93";
+
+// Bytes of the well-formed UTF-8 character that begins `text`; 0 where none does (Unicode, table 3-7).
+std::size_t CharacterLength(std::string_view text) {
+  const auto byte = [text](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const auto follows = [&](std::size_t i, unsigned low = 0x80, unsigned high = 0xBF) {
+    return i < text.size() && byte(i) >= low && byte(i) <= high;
+  };
+  const unsigned first = byte(0);
+  if (first < 0x80) {
+    return 1;
+  }
+  if (first >= 0xC2 && first <= 0xDF) {
+    return follows(1) ? 2 : 0;
+  }
+  if (first >= 0xE0 && first <= 0xEF) {
+    return follows(1, first == 0xE0 ? 0xA0 : 0x80, first == 0xED ? 0x9F : 0xBF) && follows(2) ? 3 : 0;
+  }
+  if (first >= 0xF0 && first <= 0xF4) {
+    return follows(1, first == 0xF0 ? 0x90 : 0x80, first == 0xF4 ? 0x8F : 0xBF) && follows(2) && follows(3)
+               ? 4
+               : 0;
+  }
+  return 0;
+}
+
+std::string Escaped(char character) {
+  switch (character) {
+    case '&':
+      return "&amp;";
+    case '<':
+      return "&lt;";
+    case '>':
+      return "&gt;";
+    case '"':
+      return "&quot;";
+    case '\'':
+      return "&#39;";
+    case '\n':
+    case '\t':
+      return {character};
+    default:
+      return character < ' ' || character == '\x7f' ? kReplacement : std::string(1, character);
+  }
+}
+
+std::string WithTrueMinus(std::string text) {
+  if (text.starts_with('-')) {
+    // A zero has no sign for people.
+    text.replace(0, 1, text.find_first_of("123456789") == std::string::npos ? "" : kMinus);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string Escape(std::string_view text) {
+  std::string escaped;
+  while (!text.empty()) {
+    const std::size_t length = CharacterLength(text);
+    if (length == 0) {
+      escaped += kReplacement;
+    } else if (length == 1) {
+      escaped += Escaped(text.front());
+    } else {
+      escaped += text.substr(0, length);
+    }
+    text.remove_prefix(std::max<std::size_t>(length, 1));
+  }
+  return escaped;
+}
+
+std::string Fixed(std::optional<double> value, int digits, bool sign) {
+  if (!value || !std::isfinite(*value)) {
+    return kNone;
+  }
+  std::array<char, 400> text{};  // The largest double has 309 digits before its point.
+  std::snprintf(text.data(), text.size(), sign ? "%+.*f" : "%.*f", digits, *value);
+  return WithTrueMinus(text.data());
+}
+
+std::string Significant(std::optional<double> value, int digits) {
+  if (!value || !std::isfinite(*value)) {
+    return kNone;
+  }
+  return WithTrueMinus(Rounded(*value, digits));
+}
+
+std::string Counted(uint64_t count, std::string_view noun) {
+  std::string text = std::to_string(count);
+  for (auto at = static_cast<std::ptrdiff_t>(text.size()) - 3; at > 0; at -= 3) {
+    text.insert(static_cast<std::size_t>(at), "\xE2\x80\xAF");  // A narrow space that does not break.
+  }
+  return text + " " + std::string(noun) + (count == 1 ? "" : "s");
+}
+
+std::string UtcText(int64_t wall_ns) {
+  const auto seconds = std::chrono::floor<std::chrono::seconds>(std::chrono::nanoseconds(wall_ns));
+  const auto time = static_cast<std::time_t>(seconds.count());
+  std::tm parts{};
+  gmtime_r(&time, &parts);
+  std::array<char, 64> text{};
+  return {text.data(), std::strftime(text.data(), text.size(), "%Y-%m-%d %H:%M:%S UTC", &parts)};
+}
+
+}  // namespace mwidth::cli::session
