@@ -12,8 +12,10 @@
 
 #include "server/record/session/sample_codec.h"
 #include "server/record/session/session_log.h"
+#include "server/record/session/session_reader.h"
 #include "server/record/session/session_rows.h"
 #include "server/record/session/session_schema.h"
+#include "server/record/session/stored_blocks.h"
 
 namespace mwidth::record {
 namespace {
@@ -64,6 +66,18 @@ class SessionFile::Database {
     SyncFolder(file);
   }
 
+  // Takes up an existing file, of which a reader said this.
+  struct Existing {};
+  Database(const std::filesystem::path& file, const SessionInfo& info, Existing)
+      : file_(file), info_(info), encoder_(info.axis) {
+    Guard([this] {
+      database_ = std::make_unique<SQLite::Database>(file_.string(), SQLite::OPEN_READWRITE);
+      OpenForWriting();
+      blocks_ = database_->execAndGet("SELECT coalesce(max(number), 0) FROM blocks").getInt64();
+      TakeUpTail();
+    });
+  }
+
   void Append(std::span<const exchange::Sample> samples, std::string_view lost_reason) {
     for (const exchange::Sample& sample : samples) {
       if (last_tick_ != 0 && sample.tick <= last_tick_) {
@@ -72,12 +86,7 @@ class SessionFile::Database {
       if (last_tick_ != 0 && sample.tick != last_tick_ + 1) {
         NoteGap(sample, lost_reason);
       }
-      const bool whole = samples_.size() - block_begin_ == kBlockSamples;
-      if (whole || (samples_.size() > block_begin_ && !Follows(samples_.back(), sample))) {
-        block_ends_.push_back(samples_.size());
-        block_begin_ = samples_.size();
-      }
-      samples_.push_back(sample);
+      Push(sample);
       last_tick_ = sample.tick;
       last_missed_ticks_ = sample.missed_ticks;
     }
@@ -160,6 +169,36 @@ class SessionFile::Database {
     }
   }
 
+  void Push(const exchange::Sample& sample) {
+    const bool whole = samples_.size() - block_begin_ == kBlockSamples;
+    if (whole || (samples_.size() > block_begin_ && !Follows(samples_.back(), sample))) {
+      block_ends_.push_back(samples_.size());
+      block_begin_ = samples_.size();
+    }
+    samples_.push_back(sample);
+  }
+
+  // What the tail has becomes blocks when the session ends.
+  void TakeUpTail() {
+    BlockTable tail(*database_, "tail");
+    SampleDecoder decoder(info_.axis);
+    std::vector<exchange::Sample> samples;
+    while (const auto row = tail.Next(static_cast<uint64_t>(tail_rows_), 0, decoder, samples)) {
+      tail_rows_ = static_cast<int64_t>(row->number);
+      if (!row->damage.empty()) {
+        gaps.push_back({.after_tick = row->first_tick - 1,
+                        .before_tick = row->last_tick + 1,
+                        .missed_ticks = 0,
+                        .lost_ticks = row->samples,
+                        .reason = "a row of the tail was damaged: " + row->damage});
+      }
+      for (const exchange::Sample& sample : samples) {
+        Push(sample);
+      }
+    }
+    committed_ = samples_.size();
+  }
+
   void CreateDatabase() {
     database_ = std::make_unique<SQLite::Database>(file_.string(), SQLite::OPEN_READWRITE);
 
@@ -169,7 +208,11 @@ class SessionFile::Database {
     CreateTables(*database_);
     WriteInfo(info_, *database_);
     database_->exec("COMMIT");
-    // From here on commits wait for no disk: Sync does.
+    OpenForWriting();
+  }
+
+  // Of a database in WAL mode. From here on commits wait for no disk: Sync does.
+  void OpenForWriting() {
     database_->exec("PRAGMA synchronous = NORMAL");
     rows_ = std::make_unique<SessionRows>(*database_);
     log_ = std::make_unique<SessionLog>(file_, *database_);
@@ -242,6 +285,11 @@ class SessionFile::Database {
 
 SessionFile::SessionFile(const std::filesystem::path& file, const SessionInfo& info)
     : database_(std::make_unique<Database>(file, info)) {}
+SessionFile::SessionFile(std::unique_ptr<Database> database) : database_(std::move(database)) {}
+SessionFile SessionFile::Reopen(const std::filesystem::path& file) {
+  const SessionInfo info = SessionReader(file).info();
+  return SessionFile(std::make_unique<Database>(file, info, Database::Existing{}));
+}
 SessionFile::SessionFile(SessionFile&&) noexcept = default;
 SessionFile& SessionFile::operator=(SessionFile&&) noexcept = default;
 SessionFile::~SessionFile() = default;

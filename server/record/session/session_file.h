@@ -47,6 +47,9 @@ class SessionFile {
   /// Creates `file`, readable to its group, with `info` in it, on the disk when this returns. Throws
   /// StorageError, also where the file exists, and leaves no new file then.
   SessionFile(const std::filesystem::path& file, const SessionInfo& info);
+  /// Takes up a file that its server left open, to End it; Add may still say what became of it. Throws
+  /// SessionFileError (session_reader.h) where it is no session, StorageError where it cannot be written.
+  static SessionFile Reopen(const std::filesystem::path& file);
   SessionFile(SessionFile&&) noexcept;
   SessionFile& operator=(SessionFile&&) noexcept;
   /// What was not committed is lost; the session stays open.
@@ -77,6 +80,8 @@ class SessionFile {
 
  private:
   class Database;
+  explicit SessionFile(std::unique_ptr<Database> database);
+
   std::unique_ptr<Database> database_;
 };
 

@@ -1,0 +1,49 @@
+#include "server/record/session/session_recovery.h"
+
+#include <vector>
+
+#include "server/record/session/session_file.h"
+#include "server/record/session/session_reader.h"
+
+namespace mwidth::record {
+namespace {
+
+// When its last sample was, by the wall clock.
+int64_t EndOf(SessionReader& reader) {
+  const SessionInfo& info = reader.info();
+  std::vector<exchange::Sample> samples;
+  int64_t monotonic_ns = info.start_monotonic_ns;
+  reader.Seek(info.last_tick);
+  while (reader.Next(samples)) {
+    monotonic_ns = samples.back().monotonic_ns;
+  }
+  int64_t offset_ns = info.start_wall_ns - info.start_monotonic_ns;
+  for (const WallClockStep& step : reader.WallClockSteps()) {
+    offset_ns = step.monotonic_ns <= monotonic_ns ? step.offset_ns : offset_ns;
+  }
+  return monotonic_ns + offset_ns;
+}
+
+}  // namespace
+
+void RecoverSession(const std::filesystem::path& file) {
+  int64_t end_wall_ns = 0;
+  uint64_t last_tick = 0;
+  {
+    SessionReader reader(file);
+    end_wall_ns = EndOf(reader);
+    last_tick = reader.info().last_tick;
+  }
+  SessionFile session = SessionFile::Reopen(file);
+  session.Add(
+      Gap{.after_tick = last_tick,
+          .before_tick = 0,
+          .missed_ticks = 0,
+          .lost_ticks = 0,
+          .reason = "the server died or lost its disk: what it recorded after this tick is lost, and nobody "
+                    "knows how much that was (with a sound disk at most the last 0.1 s, or the last second "
+                    "where the power failed)"});
+  session.End(SessionState::kRecovered, end_wall_ns);
+}
+
+}  // namespace mwidth::record
