@@ -124,7 +124,7 @@ std::vector<MassGroup> GroupsOf(const std::vector<TrialResult>& trials, const Ax
     figures.mass = std::get<0>(key);
     figures.filter = group.first;
     figures.chirp_error = ChirpError(facts, figures.mass, figures.filter);
-    groups.push_back(std::move(figures));
+    groups.push_back(figures);
   }
   return groups;
 }

@@ -40,7 +40,7 @@ std::optional<double> DeviceMass(const Analysis& analysis) {
 std::string GroupRow(const Analysis& analysis, const MassGroup& group) {
   const Display& display = DisplayOf(analysis.info.axis.rotary);
   const auto device = DeviceMass(analysis);
-  return "<tr><th class=\"text\" scope=\"row\"><span class=\"key " +
+  return R"(<tr><th class="text" scope="row"><span class="key )" +
          ColourOf(analysis, group.mass, group.filter) + "\"></span> " + Significant(group.mass) +
          "<br><small>" + Escape(FilterWords(group.filter)) + "</small></th>" +
          Cell(std::to_string(group.movements)) + SpreadCell(group.overshoot, kPercent, 1, true) +
@@ -90,7 +90,7 @@ std::string MovementRow(const Analysis& analysis, std::size_t trial_index, std::
     return Cell(Fixed(value * display.scale, display.position_digits));
   };
   const bool several = trial.movements.found.size() > 1;
-  return "<tr><th class=\"text\" scope=\"row\"><a href=\"#trial-" + std::to_string(trial_index + 1) + "\">" +
+  return R"(<tr><th class="text" scope="row"><a href="#trial-)" + std::to_string(trial_index + 1) + "\">" +
          Escape(TrialName(analysis, trial_index)) + "</a>" +
          (several ? " <small>movement " + std::to_string(number + 1) + "</small>" : "") + "</th>" +
          Cell(movement.mass ? Significant(movement.mass) : "changed") + position(movement.start) +
@@ -157,7 +157,9 @@ std::string MassSection(const Analysis& analysis) {
         "be computed.</p>\n";
   }
   if (!analysis.curves.empty()) {
-    section += "<figure>" + Svg(OverlayOf(analysis)) + "</figure>\n";
+    section += "<figure>" + Svg(OverlayOf(analysis)) +
+               "<figcaption class=\"note\">Colours as in the table; at most 20 movements of each "
+               "mass.</figcaption></figure>\n";
   }
   return section + "</section>\n";
 }

@@ -27,7 +27,7 @@ th.text { min-width: 6.5rem; } td.text { overflow-wrap: anywhere; }
 figure { margin: .8rem 0; }
 td { white-space: nowrap; } td.text, .facts td { white-space: normal; }
 td small, th small { color: var(--soft); font-weight: 400; }
-table.facts th { text-align: left; font-weight: 400; color: var(--soft); }
+table.facts th { text-align: left; vertical-align: top; font-weight: 400; color: var(--soft); }
 table.facts td { text-align: left; overflow-wrap: anywhere; }
 dt { font-weight: 600; margin-top: .5rem; }
 dd { margin: 0 0 0 1rem; }
@@ -56,6 +56,7 @@ svg .c0, svg .c1, svg .c2, svg .c3, svg .c4, svg .c5, svg .c6 { stroke: var(--c)
 @media print {
   body { font-size: 10pt; max-width: none; padding: 0; }
   h2, h3 { break-after: avoid; } tr, figure, svg, .trial-part { break-inside: avoid; } thead { display: table-header-group; }
+  .trial-part svg { width: auto; height: 80mm; }
   .wide { overflow: visible; } table { font-size: 7.5pt; } th, td { padding: .1rem .3rem; }
   details:not([open]) { display: none; }
 }

@@ -78,18 +78,71 @@ std::string TickText(double value, double step) {
   return Fixed(value, std::max(0, static_cast<int>(std::ceil(-std::log10(step) - 1e-9))));
 }
 
-std::string PathOf(const Curve& curve, const Scale& x, const Scale& y) {
-  std::string path;
-  bool drawing = false;
-  for (const Point& point : curve.points) {
-    if (!std::isfinite(point.y)) {
-      drawing = false;
-      continue;
+// A path in pixels that leaves out what is on its way within a tenth of a pixel, be it a thousand points.
+class Path {
+ public:
+  void To(double x, double y) {
+    if (!drawing_) {
+      text_ += "M" + Pixels(x) + " " + Pixels(y);
+      kept_ = {x, y};
+      drawing_ = true;
+      return;
     }
-    path += (drawing ? "L" : "M") + Pixels(x.At(point.x)) + " " + Pixels(y.At(point.y));
-    drawing = true;
+    if (skipped_.size() >= kMostSkipped || !OnTheWayTo({x, y})) {
+      Keep();
+    }
+    skipped_.push_back({x, y});
   }
-  return "<path class=\"" + Escape(curve.css_class) + "\" d=\"" + path + "\"/>";
+  /// The next point begins a new piece.
+  void Lift() {
+    Keep();
+    drawing_ = false;
+  }
+  std::string text() {
+    Keep();
+    return text_;
+  }
+
+ private:
+  // Bounds the time that a straight line takes.
+  static constexpr std::size_t kMostSkipped = 100;
+  static constexpr double kTolerance = 0.1;
+
+  bool OnTheWayTo(const Point& end) const {
+    const double dx = end.x - kept_.x;
+    const double dy = end.y - kept_.y;
+    return std::all_of(skipped_.begin(), skipped_.end(), [&](const Point& point) {
+      // Between the ends, and near the line.
+      const double along = (point.x - kept_.x) * dx + (point.y - kept_.y) * dy;
+      const double across = (point.x - kept_.x) * dy - (point.y - kept_.y) * dx;
+      const double length = dx * dx + dy * dy;
+      return along >= 0 && along <= length && across * across <= kTolerance * kTolerance * length;
+    });
+  }
+  void Keep() {
+    if (!skipped_.empty()) {
+      kept_ = skipped_.back();
+      text_ += "L" + Pixels(kept_.x) + " " + Pixels(kept_.y);
+      skipped_.clear();
+    }
+  }
+
+  std::string text_;
+  Point kept_;
+  std::vector<Point> skipped_;
+  bool drawing_ = false;
+};
+
+std::string PathOf(const Curve& curve, const Scale& x, const Scale& y) {
+  Path path;
+  for (const Point& point : curve.points) {
+    if (std::isfinite(point.y)) {
+      path.To(x.At(point.x), y.At(point.y));
+    } else {
+      path.Lift();
+    }
+  }
+  return "<path class=\"" + Escape(curve.css_class) + "\" d=\"" + path.text() + "\"/>";
 }
 
 std::string PanelAt(const Panel& panel, const Scale& x, double top) {
