@@ -393,17 +393,6 @@ class SessionExportsTest(unittest.TestCase):
         self.assertEqual(problems_of(self.out), [])
         self.assertIn("block 2 is damaged", self.recording(suffix="events.tsv").read_text())
 
-    def test_verify_names_the_damaged_block(self):
-        write_session(self.session)
-        sound = mwidth("session", "verify", self.session)
-        self.assertEqual((sound.returncode, sound.stdout), (0, "one: sound\n"))
-        first, last = flip_a_bit(self.session, 2)
-        damaged = mwidth("session", "verify", self.session)
-        self.assertEqual(damaged.returncode, 1)
-        self.assertIn(f"one: block 2, ticks {first} to {last}: ", damaged.stdout)
-        answer = json.loads(mwidth("--json", "session", "verify", self.session).stdout)
-        self.assertEqual([block["block"] for block in answer[0]["damaged_blocks"]], [2])
-
     def test_nothing_is_replaced_without_force(self):
         write_session(self.session)
         for form in ("csv", "hdf5", "bids"):

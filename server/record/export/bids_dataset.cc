@@ -141,8 +141,8 @@ std::string DatasetDescription(const fs::path& file, const std::string& name) {
     programs = Json::array();
   }
   const bool known = std::any_of(programs.begin(), programs.end(), [&self](const Json& program) {
-    return program.is_object() && program.value("Name", "") == "mwidth" &&
-           program.value("Version", "") == self["Version"];
+    return program.is_object() && program.contains("Name") && program["Name"] == self["Name"] &&
+           program.contains("Version") && program["Version"] == self["Version"];
   });
   if (!known) {
     programs.push_back(self);

@@ -1,0 +1,89 @@
+// Exports where sessions are odd, or cannot be written. What they hold is read by tests/integration.
+#include "server/record/export/export.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "server/record/session/session_file.h"
+#include "tests/server/record/export/recorded_session.h"
+
+namespace mwidth::record {
+namespace {
+
+namespace fs = std::filesystem;
+using mwidth::testing::MakeSession;
+using ::testing::HasSubstr;
+
+class ExportTest : public ::testing::Test {
+ protected:
+  ExportTest() {
+    std::string name = (fs::temp_directory_path() / "export_XXXXXX").string();
+    folder_ = mkdtemp(name.data());
+  }
+  ~ExportTest() override { fs::remove_all(folder_); }
+
+  static std::string Read(const fs::path& file) {
+    std::ostringstream text;
+    text << std::ifstream(file).rdbuf();
+    return text.str();
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(ExportTest, ASessionWithoutSamplesIsExportedButAsBids) {
+  { SessionFile(folder_ / "none.sqlite", MakeSession(1, 1, true).info); }
+  SessionReader reader(folder_ / "none.sqlite");
+  EXPECT_EQ(ExportCsv(reader, folder_ / "csv", false).samples, 0u);
+  EXPECT_EQ(ExportHdf5(reader, folder_ / "none.h5", false).samples, 0u);
+  EXPECT_THROW(ExportBids(reader, folder_ / "bids", false), ExportRefused);
+  EXPECT_FALSE(fs::exists(folder_ / "bids"));
+  EXPECT_THAT(Read(folder_ / "csv" / "session.json"), HasSubstr("\"state\": \"open\""));
+}
+
+TEST_F(ExportTest, ASessionOfOneSampleHasItsNominalFrequency) {
+  Write(MakeSession(1, 1, true), folder_ / "one.sqlite");
+  SessionReader reader(folder_ / "one.sqlite");
+  const auto report = ExportBids(reader, folder_ / "bids", false);
+  EXPECT_EQ(report.samples, 1u);
+  const std::string json = Read(report.files[1]);
+  EXPECT_THAT(json, HasSubstr("\"SamplingFrequencyEffective\": 1000.0"));
+  EXPECT_THAT(json, HasSubstr("\"RecordingDuration\": 0.001"));
+}
+
+TEST_F(ExportTest, AReaderThatHasReadIsReadFromItsBeginning) {
+  Write(MakeSession(3, 500, true), folder_ / "one.sqlite");
+  SessionReader reader(folder_ / "one.sqlite");
+  std::vector<exchange::Sample> samples;
+  while (reader.Next(samples)) {
+  }
+  EXPECT_EQ(ExportCsv(reader, folder_ / "csv", false).samples, 500u);
+  EXPECT_EQ(ExportHdf5(reader, folder_ / "one.h5", false).samples, 500u);
+  EXPECT_EQ(ExportBids(reader, folder_ / "bids", false).samples, 500u);
+}
+
+TEST_F(ExportTest, ADatasetThatCannotBeMergedIntoIsLeftAsItIs) {
+  Write(MakeSession(3, 500, true), folder_ / "one.sqlite");
+  SessionReader reader(folder_ / "one.sqlite");
+  fs::create_directory(folder_ / "bids");
+  WriteText(folder_ / "bids" / "participants.tsv", "name\tage\n");
+  EXPECT_THROW(ExportBids(reader, folder_ / "bids", true), ExportRefused);
+  EXPECT_EQ(std::distance(fs::recursive_directory_iterator(folder_ / "bids"), {}), 1);
+}
+
+TEST_F(ExportTest, AFolderThatCannotBeWrittenIsNamed) {
+  Write(MakeSession(3, 500, true), folder_ / "one.sqlite");
+  SessionReader reader(folder_ / "one.sqlite");
+  WriteText(folder_ / "file", "");
+  EXPECT_THROW(ExportCsv(reader, folder_ / "file", false), std::runtime_error);
+  EXPECT_THROW(ExportHdf5(reader, folder_ / "file" / "one.h5", false), std::runtime_error);
+  EXPECT_THROW(ExportBids(reader, folder_ / "file", false), std::runtime_error);
+  EXPECT_EQ(Read(folder_ / "file"), "");
+}
+
+}  // namespace
+}  // namespace mwidth::record
