@@ -1,8 +1,10 @@
 #include "server/axis.h"
 
 #include <chrono>
+#include <iostream>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "device/canopen/canopen_drive.h"
 #include "device/hand_motion.h"
@@ -78,6 +80,22 @@ render::LoopConfig MakeLoopConfig(const AxisConfig& config) {
   return loop;
 }
 
+int64_t WallNs() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+// Where an axis's time is simulated, so is its day: else the wall clock would step against it all the time.
+record::SessionClocks SessionClocksOf(const exchange::Clock& clock, bool simulated) {
+  const auto monotonic_ns = [&clock] { return clock.NowNs(); };
+  if (!simulated) {
+    return {.wall_ns = WallNs, .monotonic_ns = monotonic_ns};
+  }
+  const int64_t offset_ns = WallNs() - clock.NowNs();
+  return {.wall_ns = [&clock, offset_ns] { return clock.NowNs() + offset_ns; }, .monotonic_ns = monotonic_ns};
+}
+
 gate::AxisDescription Describe(const AxisConfig& config, const device::DriveInfo& drive,
                                const render::RealtimeReport& realtime, const AxisOptions& options) {
   gate::AxisDescription description = DescribeAxis(config);
@@ -94,7 +112,8 @@ gate::AxisDescription Describe(const AxisConfig& config, const device::DriveInfo
 
 }  // namespace
 
-Axis::Axis(const AxisConfig& config, const Config& server, const AxisOptions& options)
+Axis::Axis(const AxisConfig& config, const Config& server, const AxisOptions& options,
+           record::SessionStore& store)
     : clock_(MakeClock(config, options)),
       drive_(MakeDrive(config)),
       broadcast_(rpc::SampleEncoding(config.name),
@@ -103,12 +122,20 @@ Axis::Axis(const AxisConfig& config, const Config& server, const AxisOptions& op
       events_(*clock_),
       loop_events_(events_,
                    [this](exchange::State from, exchange::State to) { return DescribeChange(from, to); }),
-      drain_(crossing_.samples, {&broadcast_, &loop_events_}, kDrainPeriod),
+      recorder_(
+          store, {.queue_samples = static_cast<std::size_t>(server.sessions.queue_samples)},
+          [this](record::EventKind kind, std::string message, record::EventLog::Metadata metadata) {
+            std::cerr << "axis " << gate_->description().name << ": " << message << std::endl;
+            events_.Publish(kind, std::move(message), std::move(metadata));
+          },
+          SessionClocksOf(*clock_, options.simulation_speed.has_value())),
+      drain_(crossing_.samples, {&broadcast_, &loop_events_, &recorder_}, kDrainPeriod),
       loop_(std::make_unique<render::Loop>(*drive_, crossing_, *clock_, MakeLoopConfig(config))) {
   render::RealtimeReport realtime = loop_->Start();
   render::AddRefusal(options.host_refusal, realtime);
   gate_ = std::make_unique<gate::AxisGate>(Describe(config, drive_->Info(), realtime, options), crossing_,
                                            *clock_);
+  events_.SetSink([this](const record::Event& event) { recorder_.AddEvent(event); });
   // Not before the gate is there, which it asks. What the ring cannot hold until then is of an idle axis.
   drain_.Start();
 }
@@ -120,7 +147,8 @@ rpc::Axis Axis::Served() {
           .gate = *gate_,
           .broadcast = broadcast_,
           .events = events_,
-          .clock = *clock_};
+          .clock = *clock_,
+          .recorder = &recorder_};
 }
 
 record::StateNote Axis::DescribeChange(exchange::State from, exchange::State to) {
@@ -146,8 +174,23 @@ void Axis::BeginStop() {
 void Axis::Stop() {
   loop_->Stop();
   drain_.Stop();
+  EndSession();
   broadcast_.Close();
   events_.Close();
+}
+
+void Axis::EndSession() {
+  const auto active = recorder_.Active();
+  if (!active) {
+    return;
+  }
+  try {
+    events_.Publish(record::EventKind::kSessionEnded, "Session " + active->id + " ends with the server.",
+                    {{"session_id", active->id}});
+    recorder_.End(active->id);
+  } catch (const record::SessionRefused& refused) {
+    std::cerr << "axis " << gate_->description().name << ": " << refused.what() << std::endl;
+  }
 }
 
 }  // namespace mwidth::server

@@ -14,6 +14,8 @@
 #include "server/record/drain.h"
 #include "server/record/event_log.h"
 #include "server/record/loop_events.h"
+#include "server/record/session/session_recorder.h"
+#include "server/record/session/session_store.h"
 #include "server/render/loop.h"
 #include "server/rpc/axis_registry.h"
 
@@ -35,7 +37,9 @@ class Axis {
  public:
   /// Throws ConfigError where the hand's recording cannot be used, and std::invalid_argument for a
   /// contradiction in the configuration.
-  Axis(const AxisConfig& config, const Config& server, const AxisOptions& options);
+  /// `store` outlives the axis.
+  Axis(const AxisConfig& config, const Config& server, const AxisOptions& options,
+       record::SessionStore& store);
   Axis(const Axis&) = delete;
   Axis& operator=(const Axis&) = delete;
   /// Stops.
@@ -43,7 +47,7 @@ class Axis {
 
   /// Begins to ramp down what is rendered, and returns at once.
   void BeginStop();
-  /// Ramps down what is rendered, then ends the loop, then the streams. Does no harm twice.
+  /// Ramps down what is rendered, then ends the loop, then the session and the streams. Does no harm twice.
   void Stop();
 
   /// What the services need of it; valid as long as the axis.
@@ -51,6 +55,7 @@ class Axis {
   const gate::AxisDescription& description() const { return gate_->description(); }
 
  private:
+  void EndSession();
   record::StateNote DescribeChange(exchange::State from, exchange::State to);
 
   std::unique_ptr<exchange::Clock> clock_;
@@ -59,6 +64,7 @@ class Axis {
   record::Broadcast broadcast_;
   record::EventLog events_;
   record::LoopEvents loop_events_;
+  record::SessionRecorder recorder_;
   record::Drain drain_;
   std::unique_ptr<render::Loop> loop_;
   std::unique_ptr<gate::AxisGate> gate_;

@@ -8,18 +8,22 @@
 #include <memory>
 #include <optional>
 #include <stdexcept>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "server/axis.h"
 #include "server/config.h"
 #include "server/doctor_command.h"
 #include "server/drive_address.h"
+#include "server/record/session/session_store.h"
 #include "server/render/wakeful_cpus.h"
 #include "server/rpc/axis_registry.h"
 #include "server/rpc/server.h"
 
 namespace {
 
+namespace record = mwidth::record;
 namespace render = mwidth::render;
 namespace rpc = mwidth::rpc;
 namespace server = mwidth::server;
@@ -39,6 +43,7 @@ struct CommandLine {
   std::string hand_motion;
   std::optional<int> reach;
   std::string drive;
+  std::string sessions;
   server::AxisOptions axis;
 };
 
@@ -59,6 +64,7 @@ CommandLine Parse(CLI::App& app, int argc, char** argv) {
       "--drive", line.drive,
       "Where the drive is, instead of where the configuration has it: HOST:PORT, a serial device, or "
       "a CAN interface");
+  app.add_option("--sessions", line.sessions, "Folder of recorded sessions, instead of the configuration's");
   app.add_option(
          "--simulation-speed", line.axis.simulation_speed,
          "Run the simulation in lock step with its clock, at most this many times as fast as real time: no "
@@ -84,6 +90,9 @@ server::Config Load(const CommandLine& line) {
   server::Config config = server::LoadConfig(server::FindConfig(line.config));
   if (!line.listen.empty()) {
     config.listen = line.listen;
+  }
+  if (!line.sessions.empty()) {
+    config.sessions.folder = line.sessions;
   }
   if (!line.hand_motion.empty()) {
     if (config.axes.size() != 1) {
@@ -117,14 +126,31 @@ std::unique_ptr<render::WakefulCpus> KeepCpusAwake(const server::Config& config,
   return awake;
 }
 
+std::string Joined(int argc, char** argv) {
+  std::string joined;
+  for (int i = 1; i < argc; ++i) {
+    joined += (joined.empty() ? "" : " ") + std::string(argv[i]);
+  }
+  return joined;
+}
+
+// Sessions of a server that died are closed, and told.
+void RecoverSessions(record::SessionStore& store) {
+  for (const record::StoredSession& session : store.RecoverAll()) {
+    std::cerr << "session " << session.id << ": "
+              << (session.problem.empty() ? "recovered; its server died before it ended" : session.problem)
+              << '\n';
+  }
+}
+
 void Serve(const server::Config& config, const std::vector<std::unique_ptr<server::Axis>>& axes,
-           const sigset_t& ending) {
+           rpc::Recording recording, const sigset_t& ending) {
   rpc::AxisRegistry registry;
   for (const auto& axis : axes) {
     registry.Add(axis->Served());
     std::cerr << "axis " << axis->description().name << ": " << axis->description().realtime_message << '\n';
   }
-  rpc::Server server(registry, config.listen, MWIDTH_VERSION);
+  rpc::Server server(registry, config.listen, MWIDTH_VERSION, std::move(recording));
   std::cout << "listening on " << server.address() << std::endl;
   int signal = 0;
   sigwait(&ending, &signal);
@@ -149,11 +175,21 @@ int Run(int argc, char** argv, const sigset_t& ending) {
       return server::RunDoctor(config, line.root, line.json);
     }
     const auto awake = KeepCpusAwake(config, line.axis);
+    constexpr uint64_t kBytesPerMb = 1'000'000;
+    record::SessionStore store(config.sessions.folder,
+                               kBytesPerMb * static_cast<uint64_t>(config.sessions.min_free_mb));
+    RecoverSessions(store);
     std::vector<std::unique_ptr<server::Axis>> axes;
     for (const server::AxisConfig& axis : config.axes) {
-      axes.push_back(std::make_unique<server::Axis>(axis, config, line.axis));
+      axes.push_back(std::make_unique<server::Axis>(axis, config, line.axis, store));
     }
-    Serve(config, axes, ending);
+    Serve(config, axes,
+          {.store = store,
+           .provenance = {.software_version = MWIDTH_VERSION,
+                          .configuration = config.text,
+                          .command_line = Joined(argc, argv),
+                          .axis_state = {}}},
+          ending);
     return 0;
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kExitUsage;

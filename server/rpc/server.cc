@@ -38,7 +38,8 @@ std::string HostOf(const std::string& address) {
 
 }  // namespace
 
-Server::Server(const AxisRegistry& axes, const std::string& address, const std::string& server_version)
+Server::Server(const AxisRegistry& axes, const std::string& address, const std::string& server_version,
+               std::optional<Recording> recording)
     : rendering_(axes, server_version), stability_(axes), telemetry_(axes) {
   const std::string host = HostOf(address);
   grpc::EnableDefaultHealthCheckService(true);
@@ -55,6 +56,9 @@ Server::Server(const AxisRegistry& axes, const std::string& address, const std::
   builder.RegisterService(&rendering_);
   builder.RegisterService(&stability_);
   builder.RegisterService(&telemetry_);
+  if (recording) {
+    builder.RegisterService(&sessions_.emplace(axes, *std::move(recording)));
+  }
   server_ = builder.BuildAndStart();
   if (!server_ || port == 0) {
     throw std::runtime_error(
@@ -66,6 +70,9 @@ Server::Server(const AxisRegistry& axes, const std::string& address, const std::
   for (const char* service :
        {"mwidth.v1.RenderingService", "mwidth.v1.StabilityService", "mwidth.v1.TelemetryService"}) {
     server_->GetHealthCheckService()->SetServingStatus(service, true);
+  }
+  if (sessions_) {
+    server_->GetHealthCheckService()->SetServingStatus("mwidth.v1.SessionService", true);
   }
 }
 

@@ -5,10 +5,12 @@
 
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "server/rpc/axis_registry.h"
 #include "server/rpc/rendering_service.h"
+#include "server/rpc/session_service.h"
 #include "server/rpc/stability_service.h"
 #include "server/rpc/telemetry_service.h"
 
@@ -23,7 +25,9 @@ class Server {
   /// Listens on `address` ("HOST:PORT"; port 0: any free one), which no other process may share. `axes`
   /// outlives the server. Throws std::invalid_argument for an address that is malformed and
   /// std::runtime_error for one that cannot be had, with what to do.
-  Server(const AxisRegistry& axes, const std::string& address, const std::string& server_version);
+  /// Without `recording` there is no SessionService.
+  Server(const AxisRegistry& axes, const std::string& address, const std::string& server_version,
+         std::optional<Recording> recording = std::nullopt);
   /// Shuts down at once unless Shutdown was called.
   ~Server();
   Server(const Server&) = delete;
@@ -41,6 +45,7 @@ class Server {
   RenderingService rendering_;
   StabilityService stability_;
   TelemetryService telemetry_;
+  std::optional<SessionService> sessions_;
   std::string address_;
   std::unique_ptr<grpc::Server> server_;
 };

@@ -173,8 +173,10 @@ std::vector<WallClockStep> SessionReader::WallClockSteps() const {
   return file_->Table("wall clock steps", ReadSteps);
 }
 
+std::vector<Gap> SessionReader::NotedGaps() const { return file_->Table("gaps", ReadGaps); }
+
 std::vector<Gap> SessionReader::Gaps() const {
-  std::vector<Gap> gaps = file_->Table("gaps", ReadGaps);
+  std::vector<Gap> gaps = NotedGaps();
   const std::vector<Gap> damage = file_->blocks->GapsOfDamage();
   gaps.insert(gaps.end(), damage.begin(), damage.end());
   std::stable_sort(gaps.begin(), gaps.end(),

@@ -43,6 +43,8 @@ class SessionReader {
   std::vector<Event> Events() const;
   std::vector<Marker> Markers() const;
   std::vector<Gap> Gaps() const;
+  /// Those that the server noted, without a look at the blocks: what damage leaves is not among them.
+  std::vector<Gap> NotedGaps() const;
   std::vector<WallClockStep> WallClockSteps() const;
 
   /// Replaces `samples` by the next block's, in the order of ticks; each is what the loop posted, to the bit,

@@ -1,5 +1,6 @@
 #include "server/record/session/session_recorder.h"
 
+#include <algorithm>
 #include <condition_variable>
 #include <stop_token>
 #include <utility>
@@ -65,7 +66,9 @@ SessionInfo SessionRecorder::Start(const SessionLabels& labels, const SessionAxi
   std::shared_ptr<SessionWriter> writer;
   {
     const std::lock_guard lock(mutex_);
-    writer = std::make_shared<SessionWriter>(std::move(session), first_tick, seen_, limits_.queue_samples,
+    // What ran while the file was made came too early, and was not lost.
+    const uint64_t first_kept = std::max(first_tick, seen_ ? seen_->tick + 1 : 0);
+    writer = std::make_shared<SessionWriter>(std::move(session), first_kept, seen_, limits_.queue_samples,
                                              report_, clocks_);
     writer_ = writer;
   }

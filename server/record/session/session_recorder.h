@@ -38,8 +38,8 @@ class SessionRecorder final : public SampleSink {
   /// Ends the session, if there is one.
   ~SessionRecorder() override;
 
-  /// Begins a session with tick `first_tick`, or the first that comes after it; run 0 is the next that is
-  /// free. Throws SessionRefused: kSessionOpen, kSessionExists, kStorageFull, kStorageFailed.
+  /// Begins a session with tick `first_tick`, or the first that comes once there is a file; run 0 is the next
+  /// that is free. Throws SessionRefused: kSessionOpen, kSessionExists, kStorageFull, kStorageFailed.
   SessionInfo Start(const SessionLabels& labels, const SessionAxis& axis, const SessionProvenance& provenance,
                     uint64_t first_tick);
   /// Ends the session `id` with all that was consumed, and returns when it is on the disk. Throws

@@ -58,21 +58,6 @@ uint64_t BytesOf(const fs::path& file) {
   return bytes;
 }
 
-StoredSession Describe(const fs::path& file) {
-  StoredSession session{.id = file.stem().string(),
-                        .file = file,
-                        .file_bytes = BytesOf(file),
-                        .info = {},
-                        .problem = "",
-                        .recording = SessionLock::Held(file)};
-  try {
-    session.info = SessionReader(file).info();
-  } catch (const SessionFileError& error) {
-    session.problem = error.what();
-  }
-  return session;
-}
-
 }  // namespace
 
 std::string SessionId(const SessionLabels& labels, int64_t start_wall_ns) {
@@ -88,10 +73,25 @@ std::string SessionId(const SessionLabels& labels, int64_t start_wall_ns) {
 SessionStore::SessionStore(fs::path folder, uint64_t min_free_bytes)
     : folder_(std::move(folder)), min_free_bytes_(min_free_bytes) {}
 
+StoredSession SessionStore::Examine(const fs::path& file) {
+  StoredSession session{.id = file.stem().string(),
+                        .file = file,
+                        .file_bytes = BytesOf(file),
+                        .info = {},
+                        .problem = "",
+                        .recording = SessionLock::Held(file)};
+  try {
+    session.info = SessionReader(file).info();
+  } catch (const SessionFileError& error) {
+    session.problem = error.what();
+  }
+  return session;
+}
+
 std::vector<StoredSession> SessionStore::List() const {
   std::vector<StoredSession> sessions;
   for (const fs::path& file : FilesIn(folder_)) {
-    sessions.push_back(Describe(file));
+    sessions.push_back(Examine(file));
   }
   const auto start = [](const StoredSession& session) {
     return std::pair(session.info ? session.info->start_wall_ns : 0, session.id);
@@ -208,7 +208,7 @@ std::vector<StoredSession> SessionStore::RecoverAll() {
     } catch (const std::runtime_error& error) {  // SessionFileError or StorageError
       problem = error.what();
     }
-    StoredSession session = Describe(file);
+    StoredSession session = Examine(file);
     session.problem = problem.empty() ? session.problem : problem;
     recovered.push_back(std::move(session));
   }

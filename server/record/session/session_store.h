@@ -72,6 +72,8 @@ class SessionStore {
   /// All sessions, the newest first; none where there is no folder. Throws std::filesystem::filesystem_error
   /// where it cannot be read.
   std::vector<StoredSession> List() const;
+  /// What a file of the folder says of itself, or why it cannot.
+  static StoredSession Examine(const std::filesystem::path& file);
   /// The file of a session of this id, if there is one; never one outside the folder, whatever `id` is.
   std::optional<std::filesystem::path> PathOf(std::string_view id) const;
 
