@@ -1,6 +1,7 @@
 #include "server/record/session/session_store.h"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <charconv>
 #include <cstring>
@@ -64,10 +65,10 @@ std::string SessionId(const SessionLabels& labels, int64_t start_wall_ns) {
   const auto seconds = static_cast<std::time_t>(start_wall_ns / 1'000'000'000);
   std::tm utc{};
   gmtime_r(&seconds, &utc);
-  char time[32];
-  std::strftime(time, sizeof time, "%Y%m%dT%H%M%SZ", &utc);
+  std::array<char, 32> time{};
+  std::strftime(time.data(), time.size(), "%Y%m%dT%H%M%SZ", &utc);
   const std::string run = std::to_string(labels.run);
-  return TaskPrefix(labels) + (run.size() < 2 ? "0" : "") + run + "_" + time;
+  return TaskPrefix(labels) + (run.size() < 2 ? "0" : "") + run + "_" + time.data();
 }
 
 SessionStore::SessionStore(fs::path folder, uint64_t min_free_bytes)

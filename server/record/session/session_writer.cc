@@ -29,18 +29,13 @@ void SessionWriter::Offer(std::shared_ptr<const SampleBlock> block) {
   if (queued_samples_ + block->size() > queue_samples_) {
     dropping_ += block->size();
     dropped_samples_ += block->size();
+    drop_reason_ =
+        failure_.empty() ? "the disk did not keep up with the loop" : "storage failed: " + failure_;
     return;
   }
   queued_samples_ += block->size();
-  Waiting waiting{.block = std::move(block), .dropped = std::exchange(dropping_, 0), .drop_reason = ""};
-  if (waiting.dropped > 0) {
-    waiting.drop_reason = DropReason();
-  }
-  queue_.push_back(std::move(waiting));
-}
-
-std::string SessionWriter::DropReason() const {
-  return failure_.empty() ? "the disk did not keep up with the loop" : "storage failed: " + failure_;
+  queue_.push_back(
+      {.block = std::move(block), .dropped = std::exchange(dropping_, 0), .drop_reason = drop_reason_});
 }
 
 void SessionWriter::AddEvent(const Event& event) {
@@ -248,7 +243,7 @@ void SessionWriter::NoteEnd() {
                           .before_tick = 0,
                           .missed_ticks = 0,
                           .lost_ticks = dropping_,
-                          .reason = DropReason() + ", and the session ended"});
+                          .reason = drop_reason_ + ", and the session ended"});
   }
 }
 

@@ -72,7 +72,6 @@ class SessionWriter {
     std::string drop_reason;
   };
 
-  std::string DropReason() const;
   void TakeQueue();
   void Append(const Waiting& waiting);
   void NoteStart(const exchange::Sample& first);
@@ -95,6 +94,8 @@ class SessionWriter {
   // Since the newest block that waits, and in all.
   uint64_t dropping_ = 0;
   uint64_t dropped_samples_ = 0;
+  // Of the newest that were dropped.
+  std::string drop_reason_;
   // Why the disk does not take anything, while it does not.
   std::string failure_;
   uint64_t dropped_events_ = 0;
