@@ -64,7 +64,7 @@ std::string MarginText(const MarginsInForce& margins) {
                            const std::string& unit) {
     if (value) {
       text += (text.empty() ? "" : ", ") + before + " " +
-              (std::isinf(*value) ? "∞" : Significant(*value * scale, 3)) + unit;
+              (std::isinf(*value) ? "∞" : Significant(*value * scale, 3) + unit);
     }
   };
   add(margins.gain_db, 1, "gain", " dB");
@@ -126,6 +126,16 @@ std::string MovementSentence(const Movement& movement, const Display& display) {
   return text;
 }
 
+std::string CommandedText(const TrialResult& trial, const AxisFacts& facts, const Display& display) {
+  if (trial.movements.found.empty() || !trial.movements.found.front().mass) {
+    return trial.movements.found.empty() ? "" : "changed during the movement";
+  }
+  const double mass = *trial.movements.found.front().mass;
+  return Significant(mass) + " " + display.mass +
+         (facts.loop ? "; with the device " + Significant(facts.loop->device_mass + mass) + " " + display.mass
+                     : "");
+}
+
 std::string MovementFacts(const TrialResult& trial, const Display& display) {
   constexpr std::size_t kMost = 4;  // The rest is in the table of all movements.
   std::string facts;
@@ -160,7 +170,7 @@ std::string TrialPart(const Analysis& analysis, std::size_t index) {
     part += Svg(PictureOf(analysis, index));
   }
   return part + "<table class=\"facts\"><tbody>\n" + MovementFacts(trial, display) +
-         MarginFacts(trial, display) +
+         Fact("Commanded mass", CommandedText(trial, analysis.facts, display)) + MarginFacts(trial, display) +
          Fact("Acceleration by",
               Escape(FilterWords(trial.filter)) + (trial.more_filters ? " at first; it was changed" : "")) +
          Fact("Largest force commanded", Significant(trial.largest_force, 3) + " " + display.force) +

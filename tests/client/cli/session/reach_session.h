@@ -50,6 +50,12 @@ class ReachSession {
         RunS(kHoldS - 0.9 + kReachS);
       }
     }
+    session_.events.push_back({.number = ++events_,
+                               .kind = record::EventKind::kMassRefused,
+                               .tick = axis_.ticks(),
+                               .monotonic_ns = NowNs(),
+                               .message = "A virtual mass of -0.5 kg m^2 would make the loop unstable.",
+                               .metadata = {{"mass", "-0.5"}, {"reason", "UNSTABLE_MASS"}}});
     session_.info.sample_count = session_.samples.size();
     session_.info.first_tick = session_.samples.front().tick;
     session_.info.last_tick = session_.samples.back().tick;
@@ -108,6 +114,10 @@ class ReachSession {
                         .message = "A virtual mass of " + gate::Figure(mass) + " kg m^2 is set.",
                         .metadata = {{"mass", gate::Figure(mass)},
                                      {"gain_margin_db", gate::Figure(report.gain_margin_db)},
+                                     {"phase_margin_deg",
+                                      gate::Figure(report.margins.phase_rad.value * 180 / std::numbers::pi)},
+                                     {"delay_margin_s", gate::Figure(report.margins.delay.seconds)},
+                                     {"modulus_margin", gate::Figure(report.margins.modulus.value)},
                                      {"admitted_min", gate::Figure(report.range.admitted.min)},
                                      {"admitted_max", gate::Figure(report.range.admitted.max)},
                                      {"robust_min", gate::Figure(report.range.robust.min)},

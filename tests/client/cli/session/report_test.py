@@ -2,10 +2,12 @@
 
 import csv
 import html.parser
+import json
 import math
 import os
 import pathlib
 import shutil
+import sqlite3
 import subprocess
 import sys
 import tempfile
@@ -65,7 +67,8 @@ class Page(html.parser.HTMLParser):
             self.cell = None
 
     def handle_data(self, data):
-        self.text.append(data)
+        if self.open[-1:] != ["style"]:
+            self.text.append(data)
         if self.cell is not None:
             self.cell.append(data)
 
@@ -87,6 +90,12 @@ class SessionTest(unittest.TestCase):
     def write(self, *options):
         subprocess.run([WRITE_SESSION, self.folder, *options], check=True)
         return self.folder / "samples.csv"
+
+    def damage(self):
+        with sqlite3.connect(self.folder / f"{NAME}.sqlite") as database:
+            number, data = database.execute("SELECT number, data FROM blocks ORDER BY number LIMIT 1 OFFSET 2").fetchone()
+            data = data[:100] + bytes([data[100] ^ 1]) + data[101:]
+            database.execute("UPDATE blocks SET data = ? WHERE number = ?", (data, number))
 
     def run_mwidth(self, *arguments):
         return subprocess.run([MWIDTH, "session", *arguments], cwd=self.folder, capture_output=True, text=True,
@@ -216,6 +225,46 @@ class ReportTest(SessionTest):
         self.assertEqual(row, ["5000", "5401", "0", "400", "lost in a test"])
         self.assertIn("not judged: too many ticks in a row have no position", "".join(page.text))
 
+    def test_margins_are_those_of_the_mass_in_force(self):
+        text, _ = self.report()
+        facts = {}
+        for row in Page(text).tables["trials"]:
+            facts.setdefault(row[0], []).append(row[1])
+        self.assertEqual([cell.split()[0] for cell in facts["Mass that was admitted"]],
+                         3 * ["0"] + 3 * ["0.1"] + 3 * ["−0.04"])
+        self.assertEqual(facts["Commanded mass"][3], "0.1 kg m²; with the device 0.3084 kg m²")
+        self.assertRegex(facts["Margins to instability"][0], r"^gain ∞, ")
+        self.assertRegex(facts["Margins to instability"][8],
+                         r"^gain 15\.5 dB, phase ∞, delay [0-9.]+ ms, modulus 0\.[0-9]+$")
+        self.assertEqual(set(facts["Admitted masses then"]), {"−0.1696 to 3.328 kg m²"})
+
+    def test_refusals_are_told(self):
+        text, _ = self.report()
+        page = Page(text)
+        self.assertIn("3 mass requests admitted, 1 refused.", "".join(page.text))
+        self.assertIn(["36.000", "mass refused", "A virtual mass of -0.5 kg m^2 would make the loop unstable."],
+                      page.tables["log"])
+
+    def test_a_session_that_nobody_ended_is_told(self):
+        text, _ = self.report("--open")
+        self.assertIn("The session has not been ended", "".join(Page(text).text))
+
+    def test_a_damaged_block_is_told_and_the_rest_reported(self):
+        self.write()
+        self.damage()
+        result = self.run_mwidth("report", NAME, "--to", "report.html")
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("cannot be trusted", result.stderr)
+        page = Page((self.folder / "report.html").read_text(encoding="utf-8"))
+        self.assertIn("1 block of the file cannot be trusted", "".join(page.text))
+        self.assertEqual(len(page.tables["movements"]), 1 + 8)  # One trial lies in its 4096 samples.
+
+    def test_a_page_that_cannot_be_written_leaves_nothing(self):
+        self.write()
+        result = self.run_mwidth("report", NAME, "--to", "no/such/folder/report.html")
+        self.assertEqual(result.returncode, 3)
+        self.assertIn("cannot write no/such/folder/report.html", result.stderr)
+
     def test_a_browser_shows_it_without_a_word_on_its_console(self):
         self.report("--hostile")
         with tempfile.TemporaryDirectory() as profile:
@@ -261,6 +310,24 @@ class ReplayTest(SessionTest):
         result = self.run_mwidth("replay", NAME)
         self.assertEqual(result.returncode, 0, result.stdout)
         self.assertIn("35598 of 35600 samples", result.stdout)
+
+    def test_a_damaged_block_proves_nothing(self):
+        self.write()
+        self.damage()
+        result = self.run_mwidth("replay", NAME)
+        self.assertEqual(result.returncode, 1, result.stdout)
+        self.assertIn("1 blocks of the file cannot be trusted", result.stdout)
+
+    def test_json_has_every_figure(self):
+        self.write("--altered")
+        result = subprocess.run([MWIDTH, "--json", "session", "--folder", self.folder, "replay", NAME],
+                                capture_output=True, text=True, check=False)
+        self.assertEqual(result.returncode, 1)
+        (told,) = json.loads(result.stdout)
+        self.assertEqual((told["session"], told["equal"], told["samples"], told["compared"], told["different"]),
+                         (NAME, False, 36000, 35999, 1))
+        self.assertEqual([difference["column"] for difference in told["first_differences"]],
+                         ["force_counts", "force"])
 
 
 def marked_trials(samples):

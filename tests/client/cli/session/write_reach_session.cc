@@ -1,7 +1,7 @@
 // Writes a session of reaches as a server would, and beside it as CSV by a way of its own: what a test may
 // compute from, without anything of what it tests.
 //
-//   write_reach_session FOLDER [--unmarked] [--hostile] [--lossy] [--altered]
+//   write_reach_session FOLDER [--unmarked] [--hostile] [--lossy] [--altered] [--open]
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -26,8 +26,11 @@ void WriteCsv(const RecordedSession& session, const std::filesystem::path& file)
   }
 }
 
-void WriteSession(const RecordedSession& session, const std::filesystem::path& file) {
-  record::SessionFile writer(file, session.info);
+void WriteSession(const RecordedSession& session, const std::filesystem::path& file, bool end) {
+  record::SessionInfo begun = session.info;
+  begun.state = record::SessionState::kOpen;
+  begun.end_wall_ns.reset();
+  record::SessionFile writer(file, begun);
   for (const record::Event& event : session.events) {
     writer.Add(event);
   }
@@ -40,7 +43,9 @@ void WriteSession(const RecordedSession& session, const std::filesystem::path& f
     writer.Append({session.samples.data() + k, count}, "lost in a test");
     writer.Commit(record::Durability::kProcess);
   }
-  writer.End(record::SessionState::kEnded, session.info.end_wall_ns);
+  if (end) {
+    writer.End(record::SessionState::kEnded, session.info.end_wall_ns);
+  }
 }
 
 // What somebody who does not mean well might write into a label.
@@ -83,5 +88,5 @@ int main(int argc, char** argv) {
     sample.force = ++sample.force_counts * session.info.axis.force_quantum;
   }
   WriteCsv(session, folder / "samples.csv");
-  WriteSession(session, folder / (session.info.id + ".sqlite"));
+  WriteSession(session, folder / (session.info.id + ".sqlite"), !given("--open"));
 }
