@@ -162,7 +162,7 @@ std::string MovementFacts(const TrialResult& trial, const Display& display) {
 std::string TrialPart(const Analysis& analysis, std::size_t index) {
   const TrialResult& trial = analysis.trials[index];
   const Display& display = DisplayOf(analysis.info.axis.rotary);
-  std::string part = "<div class=\"trial-part\" id=\"trial-" + std::to_string(index + 1) + "\"><h3>" +
+  std::string part = R"(<div class="trial-part" id="trial-)" + std::to_string(index + 1) + "\"><h3>" +
                      Escape(TrialName(analysis, index)) + "</h3>\n<p class=\"note\">From " +
                      Fixed(trial.start_s, 2) + " s on, " + Fixed(trial.duration_s, 2) + " s" +
                      (trial.cut ? "; longer than what is judged at once, and cut" : "") + ".</p>\n";

@@ -1,12 +1,12 @@
 #include "client/cli/session/svg.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
+#include <cstdint>
 #include <utility>
 
 #include "client/cli/session/html.h"
+#include "client/cli/session/path.h"
 
 namespace mwidth::cli::session {
 namespace {
@@ -16,13 +16,6 @@ constexpr double kRight = 14;
 constexpr double kTop = 20;
 constexpr double kBottom = 38;
 constexpr double kBetweenPanels = 12;
-
-// A tenth of a pixel is more than any screen shows.
-std::string Pixels(double value) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.1f", value);
-  return text.data();
-}
 
 // Linear, from values to pixels.
 struct Scale {
@@ -78,61 +71,6 @@ std::string TickText(double value, double step) {
   return Fixed(value, std::max(0, static_cast<int>(std::ceil(-std::log10(step) - 1e-9))));
 }
 
-// A path in pixels that leaves out what is on its way within a tenth of a pixel, be it a thousand points.
-class Path {
- public:
-  void To(double x, double y) {
-    if (!drawing_) {
-      text_ += "M" + Pixels(x) + " " + Pixels(y);
-      kept_ = {x, y};
-      drawing_ = true;
-      return;
-    }
-    if (skipped_.size() >= kMostSkipped || !OnTheWayTo({x, y})) {
-      Keep();
-    }
-    skipped_.push_back({x, y});
-  }
-  /// The next point begins a new piece.
-  void Lift() {
-    Keep();
-    drawing_ = false;
-  }
-  std::string text() {
-    Keep();
-    return text_;
-  }
-
- private:
-  // Bounds the time that a straight line takes.
-  static constexpr std::size_t kMostSkipped = 100;
-  static constexpr double kTolerance = 0.1;
-
-  bool OnTheWayTo(const Point& end) const {
-    const double dx = end.x - kept_.x;
-    const double dy = end.y - kept_.y;
-    return std::all_of(skipped_.begin(), skipped_.end(), [&](const Point& point) {
-      // Between the ends, and near the line.
-      const double along = (point.x - kept_.x) * dx + (point.y - kept_.y) * dy;
-      const double across = (point.x - kept_.x) * dy - (point.y - kept_.y) * dx;
-      const double length = dx * dx + dy * dy;
-      return along >= 0 && along <= length && across * across <= kTolerance * kTolerance * length;
-    });
-  }
-  void Keep() {
-    if (!skipped_.empty()) {
-      kept_ = skipped_.back();
-      text_ += "L" + Pixels(kept_.x) + " " + Pixels(kept_.y);
-      skipped_.clear();
-    }
-  }
-
-  std::string text_;
-  Point kept_;
-  std::vector<Point> skipped_;
-  bool drawing_ = false;
-};
-
 std::string PathOf(const Curve& curve, const Scale& x, const Scale& y) {
   Path path;
   for (const Point& point : curve.points) {
@@ -165,7 +103,7 @@ std::string PanelAt(const Panel& panel, const Scale& x, double top) {
   const std::string at = Pixels(top + panel.height / 2);
   svg += TextAt(14, top + panel.height / 2, "axis middle", panel.y_label,
                 " transform=\"rotate(-90 14 " + at + ")\"");
-  return svg + "<rect class=\"frame\" x=\"" + Pixels(x.from) + "\" y=\"" + Pixels(top) + "\" width=\"" +
+  return svg + R"(<rect class="frame" x=")" + Pixels(x.from) + "\" y=\"" + Pixels(top) + "\" width=\"" +
          Pixels(x.to - x.from) + "\" height=\"" + Pixels(panel.height) + "\"/>\n";
 }
 
@@ -213,9 +151,10 @@ std::vector<double> Ticks(double min, double max, int count) {
     }
   }
   std::vector<double> ticks;
-  const double first = std::ceil(min / step - 1e-9);
-  for (double k = first; k * step <= max + 1e-9 * step; ++k) {
-    ticks.push_back(k * step);
+  const auto first = static_cast<int64_t>(std::ceil(min / step - 1e-9));
+  const auto last = static_cast<int64_t>(std::floor(max / step + 1e-9));
+  for (int64_t k = first; k <= last; ++k) {
+    ticks.push_back(static_cast<double>(k) * step);
   }
   return ticks;
 }
@@ -245,7 +184,7 @@ std::string Svg(const Picture& picture) {
   bottom -= kBetweenPanels;
   const double height = bottom + kBottom;
   const Scale x{.min = picture.x_min, .max = picture.x_max, .from = kLeft, .to = picture.width - kRight};
-  std::string svg = "<svg role=\"img\" viewBox=\"0 0 " + Pixels(picture.width) + " " + Pixels(height) +
+  std::string svg = R"(<svg role="img" viewBox="0 0 )" + Pixels(picture.width) + " " + Pixels(height) +
                     "\" width=\"" + Pixels(picture.width) + "\" height=\"" + Pixels(height) + "\"><title>" +
                     Escape(picture.title) + "</title>\n" + Bands(picture, x, bottom);
   const std::vector<double> ticks = Ticks(picture.x_min, picture.x_max, 8);
