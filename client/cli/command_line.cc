@@ -21,7 +21,7 @@ Examples:
   mwidth set-mass -0.05 --hold 10
   mwidth set-filter --estimator butterworth 20
   mwidth --server robot:50051 stream --csv reach.csv --seconds 5
-  mwidth session export sub-01_task-reach_run-1 --to study --format bids
+  mwidth session export sub-01_task-reach_run-01_20261122T063200Z --to study --format bids
   mwidth stop)";
 
 void DefineSetMass(CLI::App& app, CommandLine& line) {

@@ -9,11 +9,8 @@ namespace mwidth::cli {
 
 int RunSession(const CommandLine& line) {
   static const std::map<std::string, std::function<int(const CommandLine&)>> verbs = {
-      {"list", session::List},
-      {"show", session::Show},
-      {"export", session::Export},
-      {"verify", session::Verify},
-      {"report", session::Report},
+      {"list", session::List},       {"show", session::Show},     {"export", session::Export},
+      {"recover", session::Recover}, {"verify", session::Verify}, {"report", session::Report},
       {"replay", session::Replay}};
   return verbs.at(line.session.verb)(line);
 }

@@ -16,12 +16,13 @@ CLI::Option* AddSessions(CLI::App* verb, CommandLine& line, const std::string& d
 }
 
 void DefineExport(CLI::App& session, CommandLine& line) {
-  auto* verb = Verb(session, line, "export",
-                    "Write sessions for other programs. Nothing that is there is replaced without --force; "
-                    "blocks that are damaged are left out, told, and exit code 1",
-                    "  mwidth session export sub-01_task-reach_run-1 --to out --format csv\n"
-                    "  mwidth session export --folder /srv/sessions sub-01_task-reach_run-1 "
-                    "sub-01_task-reach_run-2 --to study --format bids");
+  auto* verb =
+      Verb(session, line, "export",
+           "Write sessions for other programs. Nothing that is there is replaced without --force; "
+           "blocks that are damaged are left out, told, and exit code 1",
+           "  mwidth session export sub-01_task-reach_run-01_20261122T063200Z --to out --format csv\n"
+           "  mwidth session export --folder /srv/sessions sub-01_task-reach_run-01_20261122T063200Z "
+           "sub-01_task-reach_run-02_20261122T064500Z --to study --format bids");
   AddSessions(verb, line, "Names or files")->required();
   verb->add_option(
           "--to", line.session.to,
@@ -42,8 +43,8 @@ void DefineReport(CLI::App& session, CommandLine& line) {
            "perceived mass, margins, events. Markers of kind trial_start and trial_end bound trials; "
            "their metadata target_deg, target_rad or target_m, and start_.., say where a reach goes. "
            "Blocks that are damaged are left out, told, and exit code 1",
-           "  mwidth session report sub-01_task-reach_run-1\n"
-           "  mwidth session report sub-01_task-reach_run-1 --to reach.html");
+           "  mwidth session report sub-01_task-reach_run-01_20261122T063200Z\n"
+           "  mwidth session report sub-01_task-reach_run-01_20261122T063200Z --to reach.html");
   AddSessions(verb, line, "Name or file")->required()->expected(1);
   verb->add_option("--to", line.session.to, "The page; default: the session's name with .html")
       ->type_name("FILE");
@@ -55,33 +56,39 @@ void DefineReplay(CLI::App& session, CommandLine& line) {
       "Send the recorded positions once more through the estimator and the force law, and compare every "
       "bit of motion and force: proves what ran, with the same build. Exit code 1 where anything differs "
       "or cannot be compared",
-      "  mwidth session replay sub-01_task-reach_run-1");
+      "  mwidth session replay sub-01_task-reach_run-01_20261122T063200Z");
   AddSessions(verb, line, "Names or files")->required();
 }
 
 }  // namespace
 
 void DefineSession(CLI::App& app, CommandLine& line) {
-  auto* session =
-      Subcommand(app, "session", "Recorded sessions: a session is named as the list has it, or by its file",
-                 "  mwidth session list\n"
-                 "  mwidth session show sub-01_task-reach_run-1\n"
-                 "  mwidth session export sub-01_task-reach_run-1 --to study --format bids\n"
-                 "  mwidth session verify mwidth-sessions/*");
+  auto* session = Subcommand(
+      app, "session", "Recorded sessions: a session is named as the list has it, or by its file",
+      "  mwidth session list\n"
+      "  mwidth session show sub-01_task-reach_run-01_20261122T063200Z\n"
+      "  mwidth session export sub-01_task-reach_run-01_20261122T063200Z --to study --format bids\n"
+      "  mwidth session verify mwidth-sessions/*");
   session->require_subcommand(1);
   session->add_option("--folder", line.session.folder, "Where the sessions are")
       ->envname("MWIDTH_SESSIONS")
       ->capture_default_str();
   Verb(*session, line, "list", "The sessions in the folder, the newest first", "  mwidth session list");
   auto* show = Verb(*session, line, "show", "All that a session says of itself but its samples",
-                    "  mwidth session show sub-01_task-reach_run-1");
+                    "  mwidth session show sub-01_task-reach_run-01_20261122T063200Z");
   AddSessions(show, line, "Name or file")->required()->expected(1);
   DefineExport(*session, line);
+  auto* recover =
+      Verb(*session, line, "recover",
+           "Close the files of sessions whose server died, with everything that it had written. A "
+           "server does this itself when it starts; a session that is being recorded stays as it is",
+           "  mwidth session recover");
+  AddSessions(recover, line, "Names or files; default: all that are open");
   auto* verify =
       Verb(*session, line, "verify",
            "Check every block of sessions against its checksums, and compute every column again; exit "
            "code 1 where anything is damaged",
-           "  mwidth session verify sub-01_task-reach_run-1");
+           "  mwidth session verify sub-01_task-reach_run-01_20261122T063200Z");
   AddSessions(verify, line, "Names or files")->required();
   DefineReport(*session, line);
   DefineReplay(*session, line);

@@ -1,6 +1,7 @@
-"""mwidth session list, show and verify: what a person and a program see of recorded sessions, without a server."""
+"""mwidth session list, show, recover and verify: what a person and a program see of recorded sessions, without a server."""
 
 import contextlib
+import fcntl
 import json
 import os
 import pathlib
@@ -99,6 +100,43 @@ class SessionCommandTest(unittest.TestCase):
         self.assertEqual([block["block"] for block in answer[0]["damaged_blocks"]], [2])
         (self.folder / "broken.sqlite").write_text("no session")
         self.assertIn("broken.sqlite", self.session("verify", self.folder / "broken.sqlite", code=1).stdout)
+
+    def test_recover_closes_what_a_killed_server_left_and_nothing_else(self):
+        write_session(self.folder / "ended.sqlite")
+        for name in ("killed", "recording"):
+            write_session(self.folder / f"{name}.sqlite", "--killed")
+        ended = (self.folder / "ended.sqlite").read_bytes()
+        # As the server that lives holds it.
+        lock = self.folder / "recording.sqlite.lock"
+        with open(lock, "w", encoding="ascii") as held:
+            fcntl.flock(held, fcntl.LOCK_EX)
+            states = self.states()
+            self.assertEqual(states, {"ended": "ended", "killed": "open", "recording": "recording"})
+            done = self.session("recover", "--folder", self.folder)
+            self.assertEqual(done.stdout, "killed: recovered, 12000 samples\n")
+            self.assertEqual(self.states(), {"ended": "ended", "killed": "recovered", "recording": "recording"})
+            refused = self.session("recover", "recording", "--folder", self.folder, code=1)
+            self.assertIn("is being recorded", refused.stderr)
+            # It can be read all the same.
+            self.session("verify", "recording", "killed", "--folder", self.folder)
+        self.assertEqual((self.folder / "ended.sqlite").read_bytes(), ended)
+        self.assertEqual(self.session("recover", "ended", "--folder", self.folder).stdout, "ended: is closed already\n")
+        answer = json.loads(self.session("recover", "--json", "--folder", self.folder).stdout)
+        self.assertEqual(answer, [{"session": "recording", "recovered": True, "message": "recovered, 12000 samples"}])
+        self.assertEqual(self.session("recover", "--folder", self.folder).stdout, "No session needs it.\n")
+        gaps = json.loads(self.session("show", "killed", "--json", "--folder", self.folder).stdout)["gaps"]
+        self.assertIn("the server died", gaps[-1]["reason"])
+
+    def test_recover_tells_what_cannot_be_recovered_and_goes_on(self):
+        write_session(self.folder / "killed.sqlite", "--killed")
+        (self.folder / "broken.sqlite").write_text("no session")
+        failed = self.session("recover", "broken", "killed", "--folder", self.folder, code=3)
+        self.assertIn("broken.sqlite", failed.stderr)
+        self.assertEqual(failed.stdout, "killed: recovered, 12000 samples\n")
+
+    def states(self):
+        listed = json.loads(self.session("list", "--json", "--folder", self.folder).stdout)
+        return {session["session"]: session["state"] for session in listed}
 
 
 if __name__ == "__main__":

@@ -321,6 +321,19 @@ class SessionExportsTest(unittest.TestCase):
         self.assertIn("csv or hdf5", result.stderr)
         self.assertFalse(self.out.exists())
 
+    def test_a_session_whose_server_died_is_exported_with_what_is_there(self):
+        samples = write_session(self.session, "--killed")
+        for state in ("open", "recovered"):
+            with self.subTest(state):
+                self.export("csv")
+                self.check_csv(samples, ROTARY_UNITS)
+                self.assertEqual(json.loads((self.out / "one" / "session.json").read_text())["state"], state)
+                self.export("bids")
+                self.assertEqual(problems_of(self.out), [])
+                self.check_motion(samples, 180.0 / math.pi)
+                shutil.rmtree(self.out)
+                self.assertEqual(mwidth("session", "recover", self.session).returncode, 0)
+
     # The checker
 
     def test_the_checker_finds_what_the_validator_misses(self):

@@ -1,6 +1,5 @@
-#include <algorithm>
 #include <iostream>
-#include <optional>
+#include <utility>
 
 #include "client/cli/commands.h"
 #include "client/cli/plot/table.h"
@@ -13,26 +12,37 @@ namespace mwidth::cli::session {
 namespace {
 
 struct Entry {
-  std::filesystem::path file;
-  /// None: the file cannot be read, `problem` says why.
-  std::optional<record::SessionInfo> info;
+  record::StoredSession stored;
   std::vector<record::Gap> gaps;
-  std::string problem;
 };
 
-Entry Read(const std::filesystem::path& file) {
+// What a server writes now is "recording"; "open" is left to what needs to be recovered.
+std::string State(const record::StoredSession& stored) {
+  if (!stored.info) {
+    return "unreadable";
+  }
+  return stored.recording && stored.info->state == record::SessionState::kOpen
+             ? "recording"
+             : std::string(StateWord(stored.info->state));
+}
+
+void ReadGaps(Entry& entry) {
+  if (!entry.stored.info) {
+    return;
+  }
   try {
-    const record::SessionReader reader(file);
-    return {.file = file, .info = reader.info(), .gaps = reader.Gaps(), .problem = {}};
+    entry.gaps = record::SessionReader(entry.stored.file).Gaps();
   } catch (const record::SessionFileError& error) {
-    return {.file = file, .info = std::nullopt, .gaps = {}, .problem = error.what()};
+    entry.stored.problem = error.what();
   }
 }
 
 nlohmann::ordered_json Json(const Entry& entry) {
   nlohmann::ordered_json json;
-  if (entry.info) {
-    json = record::SummaryJson(*entry.info);
+  const auto& stored = entry.stored;
+  if (stored.info) {
+    json = record::SummaryJson(*stored.info);
+    json["state"] = State(stored);
     uint64_t missed = 0;
     uint64_t lost = 0;
     for (const auto& gap : entry.gaps) {
@@ -42,20 +52,21 @@ nlohmann::ordered_json Json(const Entry& entry) {
     json["missed_ticks"] = missed;
     json["lost_ticks"] = lost;
   } else {
-    json = {{"session", entry.file.stem().string()}, {"state", "unreadable"}, {"message", entry.problem}};
+    json = {{"session", stored.id}, {"state", State(stored)}, {"message", stored.problem}};
   }
-  json["file"] = entry.file.string();
+  json["file"] = stored.file.string();
+  json["file_bytes"] = stored.file_bytes;
   return json;
 }
 
 std::vector<std::string> Row(const Entry& entry) {
-  if (!entry.info) {
-    return {entry.file.stem().string(), "unreadable", "-", "-", "-", "-", "-", "-", "-"};
+  if (!entry.stored.info) {
+    return {entry.stored.id, State(entry.stored), "-", "-", "-", "-", "-", "-", "-"};
   }
-  const auto& info = *entry.info;
+  const auto& info = *entry.stored.info;
   const auto& labels = info.labels;
   return {info.id,
-          std::string(StateWord(info.state)),
+          State(entry.stored),
           labels.subject + (labels.visit.empty() ? "" : "/" + labels.visit),
           labels.task,
           std::to_string(labels.run),
@@ -78,8 +89,8 @@ void PrintText(const std::vector<Entry>& entries, const std::string& folder) {
   }
   std::cout << ToText(table);
   for (const Entry& entry : entries) {
-    if (!entry.problem.empty()) {
-      std::cerr << entry.problem << "\n";
+    if (!entry.stored.problem.empty()) {
+      std::cerr << entry.stored.problem << "\n";
     }
   }
 }
@@ -88,13 +99,11 @@ void PrintText(const std::vector<Entry>& entries, const std::string& folder) {
 
 int List(const CommandLine& line) {
   std::vector<Entry> entries;
-  for (const auto& file : AllFiles(line.session)) {
-    entries.push_back(Read(file));
+  for (auto& stored : AllSessions(line.session)) {
+    Entry entry{.stored = std::move(stored), .gaps = {}};
+    ReadGaps(entry);
+    entries.push_back(std::move(entry));
   }
-  // The newest first; what cannot be read, last.
-  std::stable_sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
-    return (a.info ? a.info->start_wall_ns : INT64_MIN) > (b.info ? b.info->start_wall_ns : INT64_MIN);
-  });
   if (line.json) {
     auto json = nlohmann::ordered_json::array();
     for (const Entry& entry : entries) {

@@ -9,6 +9,7 @@ namespace mwidth::cli::session {
 int List(const CommandLine& line);
 int Show(const CommandLine& line);
 int Export(const CommandLine& line);
+int Recover(const CommandLine& line);
 int Verify(const CommandLine& line);
 /// Writes a page for people (report.cc).
 int Report(const CommandLine& line);

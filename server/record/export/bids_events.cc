@@ -89,7 +89,7 @@ Row RowOf(const Gap& gap, const MotionExtent& extent, double period_s) {
           .label = {},
           .error_ns = {},
           .message = std::to_string(gap.missed_ticks) + " ticks missed, " + std::to_string(gap.lost_ticks) +
-                     " lost" + (gap.reason.empty() ? "" : ": " + gap.reason),
+                     " known to be lost" + (gap.reason.empty() ? "" : ": " + gap.reason),
           .metadata = {},
           .end_label = {},
           .end_metadata = {}};

@@ -159,7 +159,7 @@ RecordedSession MakeSession(uint64_t seed, uint64_t count, bool rotary) {
   return session;
 }
 
-void Write(const RecordedSession& session, const std::filesystem::path& file) {
+void Write(const RecordedSession& session, const std::filesystem::path& file, bool end) {
   record::SessionFile out(file, session.info);
   for (size_t begin = 0; begin < session.samples.size(); begin += 100) {
     const size_t count = std::min<size_t>(100, session.samples.size() - begin);
@@ -174,6 +174,10 @@ void Write(const RecordedSession& session, const std::filesystem::path& file) {
   }
   for (const auto& step : session.steps) {
     out.Add(step);
+  }
+  out.Commit(record::Durability::kProcess);
+  if (!end) {
+    return;
   }
   out.End(record::SessionState::kEnded, session.info.start_wall_ns + 60'000'000'000);
 }

@@ -25,7 +25,7 @@ struct RecordedSession {
 /// with quotes, commas, tabs, line breaks and letters beyond ASCII; three trials, the last without an end.
 RecordedSession MakeSession(uint64_t seed, uint64_t count, bool rotary);
 
-/// Writes it as a server does, in commits of about a tenth of a second, and ends it.
-void Write(const RecordedSession& session, const std::filesystem::path& file);
+/// Writes it as a server does, in commits of about a tenth of a second, and ends it, unless `end` is false.
+void Write(const RecordedSession& session, const std::filesystem::path& file, bool end = true);
 
 }  // namespace mwidth::testing

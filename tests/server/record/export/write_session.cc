@@ -53,11 +53,13 @@ int main(int argc, char** argv) {
   uint64_t seed = 1;
   uint64_t count = 10'000;
   bool linear = false;
+  bool killed = false;
   app.add_option("file", file)->required();
   app.add_option("--truth", truth_file, "The samples as bytes");
   app.add_option("--seed", seed);
   app.add_option("--samples", count);
   app.add_flag("--linear", linear);
+  app.add_flag("--killed", killed, "Leave it as a server that was killed does");
   // The labels, where they are not the usual ones.
   auto labels = mwidth::testing::MakeSession(1, 1, true).info.labels;
   app.add_option("--subject", labels.subject);
@@ -68,7 +70,7 @@ int main(int argc, char** argv) {
 
   auto session = mwidth::testing::MakeSession(seed, count, !linear);
   session.info.labels = labels;
-  mwidth::testing::Write(session, file);
+  mwidth::testing::Write(session, file, !killed);
   if (truth_file.empty()) {
     return 0;
   }
