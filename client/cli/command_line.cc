@@ -174,6 +174,13 @@ void Define(CLI::App& app, CommandLine& line) {
   stop->add_option("--reason", line.reason, "For the record")->capture_default_str();
   Subcommand(app, "clear-fault", "Clear a latched fault, once its cause is gone", "  mwidth clear-fault");
   DefineStream(app, line);
+  auto* events =
+      Subcommand(app, "events",
+                 "Show what happens on the axis - states, faults, masses granted and refused, sessions - "
+                 "until Ctrl-C",
+                 "  mwidth events\n  mwidth events --after 0");
+  events->add_option("--after", line.events_after,
+                     "Begin behind the event of this number; 0: with the first that the server remembers");
   DefineFigures(app, line);
   DefineDrive(app, line);
   DefineSession(app, line);

@@ -78,6 +78,9 @@ struct CommandLine {
   std::optional<double> seconds;
   std::optional<uint32_t> decimation;
 
+  // events
+  std::optional<uint64_t> events_after;
+
   // drive probe
   std::string config;
   std::string drive;

@@ -20,6 +20,7 @@ int RunSetFilter(const CommandLine& line);
 int RunStop(const CommandLine& line);
 int RunClearFault(const CommandLine& line);
 int RunStream(const CommandLine& line);
+int RunEvents(const CommandLine& line);
 int RunFigures(const CommandLine& line);
 int RunDriveProbe(const CommandLine& line);
 int RunSession(const CommandLine& line);

@@ -28,6 +28,7 @@ int Run(const std::string& command, const CommandLine& line) {
       {"stop", RunStop},
       {"clear-fault", RunClearFault},
       {"stream", RunStream},
+      {"events", RunEvents},
       {"figures", RunFigures},
       {"drive", RunDriveProbe},
       {"session", RunSession}};
