@@ -69,6 +69,13 @@ def flip_a_bit(file, block):
     return first, last
 
 
+def validate(dataset):
+    """Errors and warnings of the legacy bids-validator."""
+    result = subprocess.run([VALIDATOR, dataset, "--json"], capture_output=True, text=True, timeout=120)
+    issues = json.loads(result.stdout)["issues"]
+    return [issue["key"] for issue in issues["errors"]], [issue["key"] for issue in issues["warnings"]]
+
+
 class SessionExportsTest(unittest.TestCase):
     def setUp(self):
         stack = contextlib.ExitStack()
@@ -81,12 +88,6 @@ class SessionExportsTest(unittest.TestCase):
         result = mwidth("session", "export", *(sessions or [self.session]), "--to", self.out, "--format", form, *options)
         self.assertEqual(result.returncode, code, result.stderr + result.stdout)
         return result
-
-    def validate(self, dataset):
-        """Errors of the legacy bids-validator."""
-        result = subprocess.run([VALIDATOR, dataset, "--json"], capture_output=True, text=True, timeout=120)
-        answer = json.loads(result.stdout)
-        return [issue["key"] for issue in answer["issues"]["errors"]], [issue["key"] for issue in answer["issues"]["warnings"]]
 
     # CSV
 
@@ -227,7 +228,7 @@ class SessionExportsTest(unittest.TestCase):
         samples = write_session(self.session)
         self.export("bids")
         self.assertEqual(problems_of(self.out), [])
-        errors, warnings = self.validate(self.out)
+        errors, warnings = validate(self.out)
         self.assertEqual(errors, [])
         # The validator takes the first row of the head-less motion.tsv for a head; authors are the study's to add.
         self.assertEqual(sorted(warnings), ["CUSTOM_COLUMN_WITHOUT_DESCRIPTION", "NO_AUTHORS"])
@@ -246,7 +247,7 @@ class SessionExportsTest(unittest.TestCase):
         samples = write_session(self.session, "--linear")
         self.export("bids")
         self.assertEqual(problems_of(self.out), [])
-        self.assertEqual(self.validate(self.out)[0], [])
+        self.assertEqual(validate(self.out)[0], [])
         self.check_motion(samples, 1.0)
         _, channels = table(self.recording(suffix="channels.tsv"))
         self.assertEqual([(c["type"], c["component"], c["units"]) for c in channels[1:6]],
@@ -295,7 +296,7 @@ class SessionExportsTest(unittest.TestCase):
         before = self.recording().read_bytes()
         self.export("bids", *sessions[1:])
         self.assertEqual(problems_of(self.out), [])
-        errors, warnings = self.validate(self.out)
+        errors, warnings = validate(self.out)
         self.assertEqual(errors, [])
         self.assertNotIn("NO_AUTHORS", warnings)
         self.assertEqual(self.recording().read_bytes(), before)
@@ -312,7 +313,7 @@ class SessionExportsTest(unittest.TestCase):
         self.export("bids")
         self.assertTrue(self.recording(visit="").exists())
         self.assertEqual(problems_of(self.out), [])
-        self.assertEqual(self.validate(self.out)[0], [])
+        self.assertEqual(validate(self.out)[0], [])
 
     def test_labels_that_bids_cannot_name_are_refused_with_a_way_out(self):
         write_session(self.session, "--task", "reach_fast")
@@ -371,7 +372,7 @@ class SessionExportsTest(unittest.TestCase):
                 else:
                     file.write_text("\n".join(content) + "\n")
                 self.assertIn(problem, "\n".join(problems_of(self.out)))
-                if not self.validate(self.out)[0]:
+                if not validate(self.out)[0]:
                     missed.append(name)
                 file.write_bytes(original)
         self.assertEqual(problems_of(self.out), [])

@@ -26,12 +26,13 @@ std::string State(const record::StoredSession& stored) {
              : std::string(StateWord(stored.info->state));
 }
 
+// Those that the server noted: damage, which shows only when every block is read, is for verify.
 void ReadGaps(Entry& entry) {
   if (!entry.stored.info) {
     return;
   }
   try {
-    entry.gaps = record::SessionReader(entry.stored.file).Gaps();
+    entry.gaps = record::SessionReader(entry.stored.file).NotedGaps();
   } catch (const record::SessionFileError& error) {
     entry.stored.problem = error.what();
   }
