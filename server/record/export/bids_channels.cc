@@ -45,7 +45,7 @@ std::string Description(const Column& column) {
 
 BidsChannel ChannelOf(const Column& column, const SessionAxis& axis) {
   const auto& kinds = axis.rotary ? kRotary : kLinear;
-  const auto kind =
+  const auto* const kind =
       std::find_if(kinds.begin(), kinds.end(), [&](const Kind& k) { return column.name == k.name; });
   BidsChannel channel{.name = column.name,
                       .component = "n/a",
