@@ -1,11 +1,13 @@
 // What can be typed.
 #pragma once
 
+#include <mwidth/v1/session.pb.h>
 #include <mwidth/v1/stability.pb.h>
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,6 +21,14 @@ struct SessionOptions {
   std::string folder = "mwidth-sessions";
   /// Their names, or files.
   std::vector<std::string> sessions;
+
+  // start
+  v1::SessionLabels labels;
+
+  // mark
+  std::string marker;
+  std::string marker_kind;
+  std::map<std::string, std::string> marker_metadata;
 
   // export
   std::string to;

@@ -24,5 +24,8 @@ int RunEvents(const CommandLine& line);
 int RunFigures(const CommandLine& line);
 int RunDriveProbe(const CommandLine& line);
 int RunSession(const CommandLine& line);
+int RunSessionStart(const CommandLine& line);
+int RunSessionMark(const CommandLine& line);
+int RunSessionEnd(const CommandLine& line);
 
 }  // namespace mwidth::cli

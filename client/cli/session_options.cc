@@ -1,4 +1,9 @@
 // session: recorded sessions, their files and what is made of them.
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
 #include "client/cli/command_line.h"
 
 namespace mwidth::cli {
@@ -13,6 +18,71 @@ CLI::App* Verb(CLI::App& session, CommandLine& line, const std::string& name, co
 
 CLI::Option* AddSessions(CLI::App* verb, CommandLine& line, const std::string& description) {
   return verb->add_option("session", line.session.sessions, description)->type_name("SESSION");
+}
+
+// "key=value" pairs into `take`.
+void AddMetadata(CLI::App* verb, const std::function<void(const std::string&, const std::string&)>& take) {
+  verb->add_option_function<std::vector<std::string>>(
+          "--meta",
+          [take](const std::vector<std::string>& pairs) {
+            for (const std::string& pair : pairs) {
+              const std::size_t equals = pair.find('=');
+              if (equals == std::string::npos) {
+                throw CLI::ValidationError("--meta", "'" + pair + "' is not KEY=VALUE");
+              }
+              take(pair.substr(0, equals), pair.substr(equals + 1));
+            }
+          },
+          "Anything else to keep with it; may be given several times")
+      ->type_name("KEY=VALUE");
+}
+
+void DefineStart(CLI::App& session, CommandLine& line) {
+  auto* verb = Verb(session, line, "start", "Ask the server to record an axis, until session end",
+                    "  mwidth session start sub-01 reach\n"
+                    "  mwidth session start sub-01 reach --visit 2 --run 3 --meta arm=left");
+  v1::SessionLabels& labels = line.session.labels;
+  const auto add = [verb](const std::string& name, const std::function<void(const std::string&)>& take,
+                          const std::string& description) {
+    return verb->add_option_function<std::string>(name, take, description)->type_name("LABEL");
+  };
+  add(
+      "subject", [&labels](const std::string& text) { labels.set_subject(text); }, "Who: letters and digits")
+      ->required();
+  add(
+      "task", [&labels](const std::string& text) { labels.set_task(text); },
+      "What is done: letters and digits")
+      ->required();
+  add(
+      "--visit", [&labels](const std::string& text) { labels.set_visit(text); },
+      "Which visit, where there are several");
+  add(
+      "--operator", [&labels](const std::string& text) { labels.set_operator_(text); },
+      "Who runs the session");
+  verb->add_option_function<uint32_t>(
+      "--run", [&labels](uint32_t run) { labels.set_run(run); },
+      "From 1; default: one more than the last of this subject, visit and task");
+  AddMetadata(verb, [&labels](const std::string& key, const std::string& value) {
+    (*labels.mutable_metadata())[key] = value;
+  });
+}
+
+void DefineEnd(CLI::App& session, CommandLine& line) {
+  auto* verb = Verb(session, line, "end", "Ask the server to end a session; it is on the disk then",
+                    "  mwidth session end");
+  AddSessions(verb, line, "Its name; may be left out where only one is being recorded")->expected(0, 1);
+}
+
+void DefineMark(CLI::App& session, CommandLine& line) {
+  auto* verb = Verb(session, line, "mark", "Mark this moment in the session that is being recorded",
+                    "  mwidth session mark 'strap adjusted'\n"
+                    "  mwidth session mark 'reach 1' --kind trial_start --meta target_deg=30");
+  verb->add_option("label", line.session.marker, "What happened")->required();
+  verb->add_option("--kind", line.session.marker_kind,
+                   "trial_start and trial_end bound a trial; anything else is the study's own");
+  AddMetadata(verb, [&line](const std::string& key, const std::string& value) {
+    line.session.marker_metadata[key] = value;
+  });
 }
 
 void DefineExport(CLI::App& session, CommandLine& line) {
@@ -73,6 +143,9 @@ void DefineSession(CLI::App& app, CommandLine& line) {
   session->add_option("--folder", line.session.folder, "Where the sessions are")
       ->envname("MWIDTH_SESSIONS")
       ->capture_default_str();
+  DefineStart(*session, line);
+  DefineMark(*session, line);
+  DefineEnd(*session, line);
   Verb(*session, line, "list", "The sessions in the folder, the newest first", "  mwidth session list");
   auto* show = Verb(*session, line, "show", "All that a session says of itself but its samples",
                     "  mwidth session show sub-01_task-reach_run-01_20261122T063200Z");
