@@ -26,7 +26,8 @@ void SetDerived(const DerivedColumns& derived, exchange::Sample& sample) noexcep
 
 bool SameBits(const DerivedColumns& a, const DerivedColumns& b) noexcept {
   // On purpose: numbers that are equal may have other bits.
-  return std::memcmp(&a, &b, sizeof a) == 0;  // NOLINT(bugprone-suspicious-memory-comparison,cert-exp42-c,cert-flp37-c)
+  return std::memcmp(&a, &b, sizeof a) ==
+         0;  // NOLINT(bugprone-suspicious-memory-comparison,cert-exp42-c,cert-flp37-c)
 }
 
 ColumnRebuilder::ColumnRebuilder(const SessionAxis& axis) noexcept

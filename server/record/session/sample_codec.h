@@ -42,6 +42,14 @@ enum class Packing : uint8_t {
   kCompressed,
 };
 
+/// Samples of one block, their derived columns, and whether those of all but the first follow from the sample
+/// before.
+struct CheckedSamples {
+  std::span<const exchange::Sample> samples;
+  std::span<const DerivedColumns> derived;
+  bool follow = false;
+};
+
 /// Keeps its buffers from call to call. One thread.
 class SampleEncoder {
  public:
@@ -54,6 +62,8 @@ class SampleEncoder {
   /// the rest, as those of render::Tick do, and stored in full where they do not. Precondition: 1 to
   /// kMaxBlockSamples samples; each Follows the one before.
   std::span<const std::byte> Encode(std::span<const exchange::Sample> samples, Packing packing);
+  /// The same, of samples whose derived columns were looked at before.
+  std::span<const std::byte> Encode(const CheckedSamples& samples, Packing packing);
 
  private:
   class Planes;

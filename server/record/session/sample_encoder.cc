@@ -34,15 +34,32 @@ class SampleEncoder::Planes {
     }
   }
 
-  std::span<const std::byte> Encode(std::span<const exchange::Sample> samples, Packing packing) {
+  // Looks at the derived columns of samples that nobody has looked at.
+  CheckedSamples Check(std::span<const exchange::Sample> samples) {
+    derived_.resize(samples.size());
+    derived_[0] = DerivedOf(samples[0]);
+    bool follow = rebuilder_.Begin(samples[0]);
+    for (std::size_t i = 1; i < samples.size(); ++i) {
+      derived_[i] = DerivedOf(samples[i]);
+      if (follow) {
+        const auto rebuilt = rebuilder_.Follow(samples[i]);
+        follow = rebuilt && SameBits(*rebuilt, derived_[i]);
+      }
+    }
+    return {.samples = samples, .derived = derived_, .follow = follow};
+  }
+
+  std::span<const std::byte> Encode(const CheckedSamples& checked, Packing packing) {
+    const std::span<const exchange::Sample> samples = checked.samples;
     samples_ = samples;
     packing_ = packing;
     values_.resize(samples.size());
     plane_.resize(samples.size());
     block_.resize(kHeadBytes);
     BlockHead head{.samples = static_cast<uint32_t>(samples.size())};
-    head.derived_stored = Rebuild() ? 0 : 1;
-    head.derived_checksum = Checksum(std::as_bytes(std::span(derived_)));
+    // Nothing follows from a sample with whose filter no estimator runs.
+    head.derived_stored = checked.follow && rebuilder_.Begin(samples[0]) ? 0 : 1;
+    head.derived_checksum = Checksum(std::as_bytes(checked.derived));
     std::memcpy(block_.data(), &head, sizeof head);
     column_ = 0;
     ForEachStoredColumn(period_ns_, [this](int order, const auto& get, const auto&) { Store(order, get); });
@@ -56,21 +73,6 @@ class SampleEncoder::Planes {
   struct FreeContext {
     void operator()(ZSTD_CCtx* context) const noexcept { ZSTD_freeCCtx(context); }
   };
-
-  // Gathers the derived columns; true where they follow.
-  bool Rebuild() {
-    derived_.resize(samples_.size());
-    derived_[0] = DerivedOf(samples_[0]);
-    bool follow = rebuilder_.Begin(samples_[0]);
-    for (std::size_t i = 1; i < samples_.size(); ++i) {
-      derived_[i] = DerivedOf(samples_[i]);
-      if (follow) {
-        const auto rebuilt = rebuilder_.Follow(samples_[i]);
-        follow = rebuilt && SameBits(*rebuilt, derived_[i]);
-      }
-    }
-    return follow;
-  }
 
   void PutHead(const ColumnHead& head) {
     Put(head, block_.data() + sizeof(BlockHead) + column_ * kColumnHeadBytes);
@@ -146,6 +148,9 @@ SampleEncoder& SampleEncoder::operator=(SampleEncoder&&) noexcept = default;
 SampleEncoder::~SampleEncoder() = default;
 
 std::span<const std::byte> SampleEncoder::Encode(std::span<const exchange::Sample> samples, Packing packing) {
+  return planes_->Encode(planes_->Check(samples), packing);
+}
+std::span<const std::byte> SampleEncoder::Encode(const CheckedSamples& samples, Packing packing) {
   return planes_->Encode(samples, packing);
 }
 

@@ -16,6 +16,7 @@
 #include "server/record/session/session_rows.h"
 #include "server/record/session/session_schema.h"
 #include "server/record/session/stored_blocks.h"
+#include "server/record/session/unmerged_samples.h"
 
 namespace mwidth::record {
 namespace {
@@ -52,7 +53,7 @@ void SyncFolder(const std::filesystem::path& file) {
 class SessionFile::Database {
  public:
   Database(const std::filesystem::path& file, const SessionInfo& info)
-      : file_(file), info_(info), encoder_(info.axis) {
+      : file_(file), info_(info), encoder_(info.axis), samples_(info.axis, kBlockSamples) {
     CreateFile(file);
     try {
       Guard([this] { CreateDatabase(); });
@@ -69,9 +70,10 @@ class SessionFile::Database {
   // Takes up an existing file, of which a reader said this.
   struct Existing {};
   Database(const std::filesystem::path& file, const SessionInfo& info, Existing)
-      : file_(file), info_(info), encoder_(info.axis) {
+      : file_(file), info_(info), encoder_(info.axis), samples_(info.axis, kBlockSamples) {
     Guard([this] {
-      database_ = std::make_unique<SQLite::Database>(file_.string(), SQLite::OPEN_READWRITE);
+      database_ =
+          std::make_unique<SQLite::Database>(file_.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_NOMUTEX);
       OpenForWriting();
       blocks_ = database_->execAndGet("SELECT coalesce(max(number), 0) FROM blocks").getInt64();
       TakeUpTail();
@@ -86,7 +88,7 @@ class SessionFile::Database {
       if (last_tick_ != 0 && sample.tick != last_tick_ + 1) {
         NoteGap(sample, lost_reason);
       }
-      Push(sample);
+      samples_.Push(sample);
       last_tick_ = sample.tick;
       last_missed_ticks_ = sample.missed_ticks;
     }
@@ -94,53 +96,54 @@ class SessionFile::Database {
 
   void Commit() {
     Guard([this] {
-      rows_->Begin();
-      WritePending();
-      rows_->Commit();
+      const bool only_tail = samples_.whole_blocks() == 0 && events.empty() && markers.empty() &&
+                             gaps.empty() && steps.empty() && !ending_;
+      // A statement of its own is a transaction of its own, at less cost.
+      if (only_tail) {
+        WriteSamples();
+      } else {
+        rows_->Begin();
+        WritePending();
+        rows_->Commit();
+      }
     });
-    samples_.erase(samples_.begin(), samples_.begin() + static_cast<std::ptrdiff_t>(merged_));
-    committed_ = samples_.size();
-    blocks_ += static_cast<int64_t>(block_ends_.size());
+    blocks_ += static_cast<int64_t>(samples_.whole_blocks());
     ++tail_rows_;
-    block_ends_.clear();
-    block_begin_ = 0;
+    samples_.Committed();
     events.clear();
     markers.clear();
     gaps.clear();
     steps.clear();
   }
 
+  // By another thread than the rest, so it leaves the connection alone.
   void Sync() {
-    Guard([this] {
+    try {
       if (log_) {
         log_->Sync();
       }
-    });
+    } catch (const std::runtime_error& error) {  // SQLite::Exception, too
+      throw StorageError(file_.string() + " cannot be written: " + error.what(), false);
+    }
   }
 
   void End(SessionState state, std::optional<int64_t> end_wall_ns) {
     ending_ = true;
     info_.state = state;
     info_.end_wall_ns = end_wall_ns;
-    if (block_begin_ < samples_.size()) {
-      block_ends_.push_back(samples_.size());
-      block_begin_ = samples_.size();
-    }
+    samples_.Close();
     Commit();
     Sync();
-    Guard([this] {
-      log_.reset();
-      // A single file that can be read without writing anything beside it. Refused while somebody reads it,
-      // and then its readers go on with the log.
-      database_->tryExec("PRAGMA journal_mode = DELETE");
-    });
+    log_.reset();
+    // A single file that can be read without writing anything beside it. Refused while somebody reads it, and
+    // then its readers go on with the log.
+    database_->tryExec("PRAGMA journal_mode = DELETE");
   }
 
   bool HasPending() const {
-    return committed_ < samples_.size() || !events.empty() || !markers.empty() || !gaps.empty() ||
-           !steps.empty();
+    return samples_.pending() > 0 || !events.empty() || !markers.empty() || !gaps.empty() || !steps.empty();
   }
-  std::size_t pending_samples() const { return samples_.size() - committed_; }
+  std::size_t pending_samples() const { return samples_.pending(); }
 
   std::vector<Event> events;
   std::vector<Marker> markers;
@@ -154,28 +157,14 @@ class SessionFile::Database {
     try {
       action();
     } catch (const SQLite::Exception& error) {
-      Undo();
+      if (database_ && sqlite3_get_autocommit(database_->getHandle()) == 0) {
+        database_->tryExec("ROLLBACK");
+      }
       throw StorageError(file_.string() + " cannot be written: " + error.what(),
                          error.getErrorCode() == SQLITE_FULL);
-    } catch (const std::runtime_error& error) {
-      Undo();
+    } catch (const std::runtime_error& error) {  // of the log
       throw StorageError(file_.string() + " cannot be written: " + error.what(), false);
     }
-  }
-
-  void Undo() {
-    if (database_ && sqlite3_get_autocommit(database_->getHandle()) == 0) {
-      database_->tryExec("ROLLBACK");
-    }
-  }
-
-  void Push(const exchange::Sample& sample) {
-    const bool whole = samples_.size() - block_begin_ == kBlockSamples;
-    if (whole || (samples_.size() > block_begin_ && !Follows(samples_.back(), sample))) {
-      block_ends_.push_back(samples_.size());
-      block_begin_ = samples_.size();
-    }
-    samples_.push_back(sample);
   }
 
   // What the tail has becomes blocks when the session ends.
@@ -193,14 +182,15 @@ class SessionFile::Database {
                         .reason = "a row of the tail was damaged: " + row->damage});
       }
       for (const exchange::Sample& sample : samples) {
-        Push(sample);
+        samples_.Push(sample);
       }
     }
-    committed_ = samples_.size();
+    samples_.FoundInTail();
   }
 
   void CreateDatabase() {
-    database_ = std::make_unique<SQLite::Database>(file_.string(), SQLite::OPEN_READWRITE);
+    database_ =
+        std::make_unique<SQLite::Database>(file_.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_NOMUTEX);
 
     database_->exec("PRAGMA journal_mode = WAL");
     database_->exec("PRAGMA synchronous = FULL");
@@ -245,20 +235,17 @@ class SessionFile::Database {
   }
 
   void WriteSamples() {
-    const std::span samples(samples_);
-    merged_ = 0;
-    int64_t number = blocks_;
-    for (const std::size_t end : block_ends_) {
-      const auto block = samples.subspan(merged_, end - merged_);
-      rows_->InsertBlock(++number, block, encoder_.Encode(block, Packing::kCompressed));
-      merged_ = end;
+    for (std::size_t i = 0; i < samples_.whole_blocks(); ++i) {
+      const CheckedSamples block = samples_.block(i);
+      rows_->InsertBlock(blocks_ + 1 + static_cast<int64_t>(i), block.samples,
+                         encoder_.Encode(block, Packing::kCompressed));
     }
-    if (merged_ > 0) {
+    if (samples_.whole_blocks() > 0) {
       rows_->ClearTail();
     }
-    const auto tail = samples.subspan(std::max(merged_, committed_));
-    if (!tail.empty()) {
-      rows_->InsertTail(tail_rows_ + 1, tail, encoder_.Encode(tail, Packing::kPlain));
+    const CheckedSamples tail = samples_.tail();
+    if (!tail.samples.empty()) {
+      rows_->InsertTail(tail_rows_ + 1, tail.samples, encoder_.Encode(tail, Packing::kPlain));
     }
   }
 
@@ -268,13 +255,7 @@ class SessionFile::Database {
   std::unique_ptr<SQLite::Database> database_;
   std::unique_ptr<SessionRows> rows_;
   std::unique_ptr<SessionLog> log_;
-  // Those behind the last block: the first `committed_` are in the tail. Whole blocks end at `block_ends_`,
-  // the next begins at `block_begin_`; the last transaction wrote blocks of the first `merged_`.
-  std::vector<exchange::Sample> samples_;
-  std::vector<std::size_t> block_ends_;
-  std::size_t block_begin_ = 0;
-  std::size_t committed_ = 0;
-  std::size_t merged_ = 0;
+  UnmergedSamples samples_;
   // The largest numbers so far; of the tail an upper bound, for no number may come twice.
   int64_t blocks_ = 0;
   int64_t tail_rows_ = 0;

@@ -27,7 +27,9 @@ int OpenLog(const std::filesystem::path& file) {
 }  // namespace
 
 SessionLog::SessionLog(const std::filesystem::path& file, SQLite::Database& writer)
-    : writer_(writer), checkpointer_(file.string(), SQLite::OPEN_READWRITE), log_file_(OpenLog(file)) {
+    : writer_(writer),
+      checkpointer_(file.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_NOMUTEX),
+      log_file_(OpenLog(file)) {
   checkpointer_.exec("PRAGMA synchronous = NORMAL");
   sqlite3_wal_hook(writer_.getHandle(), &SessionLog::CountPages, this);
 }
