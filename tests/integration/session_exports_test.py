@@ -1,5 +1,6 @@
 """Recorded sessions as other people's programs read them: csv, h5py, and a BIDS dataset with two checkers."""
 
+import concurrent.futures
 import contextlib
 import csv
 import json
@@ -308,6 +309,16 @@ class SessionExportsTest(unittest.TestCase):
         self.assertEqual(len(table(self.out / "sub-01" / "ses-1" / "sub-01_ses-1_scans.tsv")[1]), 2)
         self.assertTrue((self.out / "README").read_text().startswith("A study"))
 
+    def test_exports_into_one_dataset_at_the_same_time_all_arrive(self):
+        sessions = [self.folder / f"s{run}.sqlite" for run in range(1, 7)]
+        for run, session in enumerate(sessions, 1):
+            write_session(session, "--run", run, "--seed", run)
+        with concurrent.futures.ThreadPoolExecutor(len(sessions)) as pool:
+            for result in pool.map(lambda session: self.export("bids", session), sessions):
+                self.assertEqual(result.stderr, "")
+        self.assertEqual(problems_of(self.out), [])
+        self.assertEqual(len(table(self.out / "sub-01" / "ses-1" / "sub-01_ses-1_scans.tsv")[1]), len(sessions))
+
     def test_sessions_without_a_visit_lie_directly_below_the_subject(self):
         write_session(self.session, "--visit", "")
         self.export("bids")
@@ -395,6 +406,7 @@ class SessionExportsTest(unittest.TestCase):
         self.assertEqual([(int(gap["after_tick"]) < first, int(gap["before_tick"]) > last) for gap in gaps], [(True, True)])
         session = json.loads((self.out / "one" / "session.json").read_text())
         self.assertEqual([(b["block"], b["first_tick"], b["last_tick"]) for b in session["damaged_blocks"]], [(2, first, last)])
+        self.assertEqual(session["exported_samples"], len(kept))
 
         self.export("hdf5", code=1)
         self.check_hdf5(kept)

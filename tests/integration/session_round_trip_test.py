@@ -116,6 +116,26 @@ class SessionRoundTripTest(unittest.TestCase):
         for kind in ("trial", "mass_set", "filter_set", "marker"):
             self.assertIn(kind, kinds)
 
+    def test_a_session_that_is_being_recorded_is_read_up_to_now(self):
+        with ServerProcess("--config", "elbow", "--simulation-speed", 20, "--sessions", self.folder) as server, \
+                mwidth.Client(server.address) as client:
+            with client.session(subject="01", task="reach") as session:
+                time.sleep(0.5)
+                listed = json.loads(run("session", "list", "--folder", self.folder, "--json").stdout)
+                self.assertEqual([(each["session"], each["state"]) for each in listed], [(session.session_id, "recording")])
+                for form in ("csv", "hdf5", "bids"):
+                    self.export(session, form)
+                self.assertEqual(run("session", "verify", session.session_id, "--folder", self.folder).returncode, 0)
+                self.assertEqual(run("session", "recover", session.session_id, "--folder", self.folder).returncode, 1)
+            self.assertEqual(session.info.lost_ticks, 0)
+        with h5py.File(self.out / f"{session.session_id}.h5") as file:
+            ticks = file["samples/tick"][:]
+        self.assertGreater(len(ticks), 1000)
+        self.assertTrue(np.all(np.diff(ticks.astype(np.int64)) > 0))
+        self.assertEqual(int(ticks[0]), session.info.first_tick)
+        self.assertLessEqual(int(ticks[-1]), session.info.last_tick)
+        self.assertEqual(run("session", "verify", session.session_id, "--folder", self.folder).returncode, 0)
+
     def test_a_rotary_axis(self):
         self.check("elbow", 0.05, ROTARY_UNITS, degrees=True)
 

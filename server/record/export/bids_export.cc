@@ -12,9 +12,10 @@ namespace {
 namespace fs = std::filesystem;
 
 // Everything that BIDS has no field for.
-std::string SourceJson(const SessionReader& reader) {
+std::string SourceJson(const SessionReader& reader, uint64_t exported_samples) {
   auto json = SessionJson(reader.info());
   json["wall_clock_steps"] = ToJson(reader.WallClockSteps());
+  json["exported_samples"] = exported_samples;
   json["gaps"] = ToJson(reader.Gaps());
   json["damaged_blocks"] = ToJson(reader.damaged());
   return Indented(json);
@@ -88,7 +89,7 @@ class BidsExport {
     WriteText(events_tsv,
               EventsTsv(reader_.Markers(), reader_.Events(), reader_.Gaps(), extent_, info_.axis.period_s));
     WriteText(events_json, EventsJson(info_.provenance.software_version));
-    WriteText(source, SourceJson(reader_));
+    WriteText(source, SourceJson(reader_, extent_.samples));
   }
 
   void WriteShared() {

@@ -96,6 +96,8 @@ ExportReport ExportCsv(SessionReader& reader, const fs::path& folder, bool overw
 
   auto json = SessionJson(reader.info());
   json["wall_clock_steps"] = ToJson(reader.WallClockSteps());
+  // Fewer than the session's where blocks are damaged, more where it was still being recorded.
+  json["exported_samples"] = report.samples;
   json["damaged_blocks"] = ToJson(report.damaged);
   json["columns"] = ColumnsJson(columns);
   WriteText(session, Indented(json));
