@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <array>
+
 #include "server/record/export/bids_dataset.h"
 #include "server/record/export/bids_events.h"
 #include "server/record/export/bids_labels.h"
@@ -36,12 +39,9 @@ std::string ScansJson() {
 
 // Whether the dataset has any README: README, README.md, README.txt or README.rst.
 bool HasReadme(const fs::path& dataset) {
-  for (const char* name : {"README", "README.md", "README.txt", "README.rst"}) {
-    if (fs::exists(dataset / name)) {
-      return true;
-    }
-  }
-  return false;
+  constexpr std::array<const char*, 4> kNames{"README", "README.md", "README.txt", "README.rst"};
+  return std::any_of(kNames.begin(), kNames.end(),
+                     [&dataset](const char* name) { return fs::exists(dataset / name); });
 }
 
 class BidsExport {
