@@ -23,7 +23,8 @@ def block(name):
 
 class ReadmeTest(unittest.TestCase):
     def run_against_server(self, command, **options):
-        with tempfile.TemporaryDirectory() as folder, ServerProcess("--config", "paper") as server:
+        with tempfile.TemporaryDirectory() as folder, \
+                ServerProcess("--config", "paper", "--sessions", f"{folder}/mwidth-sessions") as server:
             environment = dict(os.environ, MWIDTH_SERVER=server.address, PYTHONPATH=str(BUILD / "python"),
                                PATH=f"{BUILD / 'bin'}:{os.environ['PATH']}")
             result = subprocess.run(command, env=environment, cwd=folder, capture_output=True, text=True, timeout=60,
@@ -33,6 +34,9 @@ class ReadmeTest(unittest.TestCase):
 
     def test_commands(self):
         self.run_against_server(["bash", "-e", "-c", block("cli")])
+
+    def test_sessions(self):
+        self.run_against_server(["bash", "-e", "-c", block("sessions")])
 
     def test_python_example_is_the_file_that_runs(self):
         example = ROOT / "client/python/example.py"
@@ -52,6 +56,7 @@ class ReadmeTest(unittest.TestCase):
                                     timeout=300)
             self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
             self.assertTrue(list(pathlib.Path(folder).glob("*.png")))
+            self.assertTrue(pathlib.Path(folder, "report.html").exists())
 
     def test_links_lead_to_files(self):
         for readme in ROOT.glob("**/README.md"):

@@ -8,6 +8,7 @@ After a build: build/release/python/reach_study.py --server HOST:PORT --output F
 """
 
 import argparse
+import contextlib
 import csv
 import dataclasses
 import math
@@ -102,14 +103,26 @@ def record(client, mass, period_s, count):
                 raise StudyError(f"no {count} complete reaches in {PATIENCE_S} s: does the hand move, undisturbed?")
 
 
-def run_trials(client, control, masses, axis, count):
+def run_trials(client, control, session, masses, axis, count):
     trials = []
     for name, mass in masses.items():
         print(f"  {count} reaches with a virtual mass of {mass:+.4g} kg m² ...", flush=True)
         answer = control.set_mass(mass, ramp_s=RAMP_S)
-        found, missing = record(client, mass, axis.info.loop.period_s, count)
+        with trial_of(session, name):
+            found, missing = record(client, mass, axis.info.loop.period_s, count)
         trials.append(Trial(name, mass, answer.stability.gain_margin_db, found, missing))
     return trials
+
+
+def session_of(client, subject):
+    """The session that the server records, or None without a subject; for a with statement."""
+    return client.session(subject=subject, task="reach") if subject else contextlib.nullcontext()
+
+
+def trial_of(session, name):
+    if session is None:
+        return contextlib.nullcontext()
+    return session.trial(name, start_deg=math.degrees(START_RAD), target_deg=round(math.degrees(TARGET_RAD), 6))
 
 
 def ask_for_unstable(client, control, unstable):
@@ -185,7 +198,7 @@ def draw(path, trials):
     plt.close(figure)
 
 
-def run(address, output, count, with_motor):
+def run(address, output, count, with_motor, subject):
     with mwidth.Client(address) as client:
         axis = client.axis()
         if axis.info.kind != rendering_pb2.AXIS_KIND_ROTARY:
@@ -193,9 +206,9 @@ def run(address, output, count, with_motor):
         if not (axis.info.simulated or with_motor):
             raise StudyError("a motor would move: give --with-motor if that is meant")
         masses, unstable = choose_masses(axis)
-        with client.control("reach study") as control:
+        with session_of(client, subject) as session, client.control("reach study") as control:
             control.start_rendering()
-            trials = run_trials(client, control, masses, axis, count)
+            trials = run_trials(client, control, session, masses, axis, count)
             refusal = ask_for_unstable(client, control, unstable)
             control.stop_rendering()
     print(f"\n{table(trials, axis)}\n\n{describe(refusal)}\n")
@@ -203,6 +216,8 @@ def run(address, output, count, with_motor):
     write_csv(output / "reaches.csv", trials)
     draw(output / "reaches.png", trials)
     print(f"Picture: {output / 'reaches.png'}\nData:    {output / 'reaches.csv'}")
+    if session is not None:
+        print(f"Session: {session.session_id}")
 
 
 def main():
@@ -211,9 +226,10 @@ def main():
     parser.add_argument("--output", default="demo-output", type=pathlib.Path, metavar="FOLDER")
     parser.add_argument("--reaches", default=2, type=int, metavar="N", help="reaches under each mass")
     parser.add_argument("--with-motor", action="store_true", help="run it although the drive is no simulation")
+    parser.add_argument("--subject", metavar="LABEL", help="let the server record it as a session of this subject")
     arguments = parser.parse_args()
     try:
-        run(arguments.server, arguments.output, arguments.reaches, arguments.with_motor)
+        run(arguments.server, arguments.output, arguments.reaches, arguments.with_motor, arguments.subject)
     except (StudyError, mwidth.Error) as error:
         sys.exit(f"reach study: {error}")
     except KeyboardInterrupt:
