@@ -1,32 +1,62 @@
-// One open StreamSamples call.
+// One StreamSamples call.
 #pragma once
 
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <string>
 
+#include <grpcpp/server_context.h>
 #include <grpcpp/support/byte_buffer.h>
+#include <grpcpp/support/status.h>
 
+#include "mwidth/v1/telemetry.pb.h"
+#include "server/gate/refusal.h"
 #include "server/record/broadcast.h"
-#include "server/rpc/pulled_stream.h"
+#include "server/rpc/axis_registry.h"
+#include "server/rpc/sample_streams.h"
 
 namespace mwidth::rpc {
 
-/// Where a client does not read, its queue in the broadcast fills and drops.
-class SampleStream final : public PulledStream<grpc::ByteBuffer> {
+/// Writes an axis's samples to one client, batch after batch, and deletes itself when the call is over. One
+/// write is under way at a time, so a client that does not read stops its own stream, and its queue in the
+/// broadcast fills and drops. On the thread of SampleStreams.
+class SampleStream {
  public:
-  /// A new stream of the ticks from `first_tick` on, owned by gRPC once it is returned from the method. It is
-  /// finished already, with RESOURCE_EXHAUSTED, where the broadcast has no room. `broadcast` outlives the
-  /// server.
-  static SampleStream* Open(const std::string& axis, record::Broadcast& broadcast, const record::Cut& cut,
-                            uint64_t first_tick);
+  /// A new one, which waits for a call. `streams` outlives it.
+  static void Await(SampleStreams& streams);
+  SampleStream(const SampleStream&) = delete;
+  SampleStream& operator=(const SampleStream&) = delete;
+
+  /// Sends the next batch, or finishes the call, if there is reason to and nothing is being written.
+  void Advance();
 
  private:
-  SampleStream() = default;
-  ~SampleStream() override = default;
-  bool Pull(grpc::ByteBuffer& message, std::optional<grpc::Status>& end) override;
+  enum class Phase : uint8_t { kWaiting, kWriting, kFinishing, kFinished };
 
+  explicit SampleStream(SampleStreams& streams) : streams_(streams) {}
+  ~SampleStream();
+
+  void OnCall(bool ok);
+  void OnWritten(bool ok);
+  void OnDone();
+  /// Subscribes, or says why not.
+  grpc::Status Open();
+  gate::Result<const Axis*> Subscribe(const v1::StreamSamplesRequest& request);
+  void DeleteIfOver();
+
+  SampleStreams& streams_;
+  grpc::ServerContext context_;
+  grpc::ByteBuffer request_;
+  SampleStreams::Writer writer_{&context_};
+  SampleStreams::Event on_call_ = [this](bool ok) { OnCall(ok); };
+  SampleStreams::Event on_written_ = [this](bool ok) { OnWritten(ok); };
+  SampleStreams::Event on_done_ = [this](bool /*ok*/) { OnDone(); };
+
+  Phase phase_ = Phase::kWaiting;
+  // gRPC has told that the call is over, by our doing or not.
+  bool done_ = false;
+  // What to finish with as soon as nothing is being written.
+  std::optional<grpc::Status> verdict_;
   std::unique_ptr<record::Subscription> subscription_;
   record::Delivery delivery_;
 };

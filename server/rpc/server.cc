@@ -55,7 +55,7 @@ Server::Server(const AxisRegistry& axes, const std::string& address, const std::
   builder.SetMaxReceiveMessageSize(kMaxRequestBytes);
   builder.RegisterService(&rendering_);
   builder.RegisterService(&stability_);
-  builder.RegisterService(&telemetry_);
+  telemetry_.AddTo(builder);
   if (recording) {
     builder.RegisterService(&sessions_.emplace(axes, *std::move(recording)));
   }
@@ -66,6 +66,7 @@ Server::Server(const AxisRegistry& axes, const std::string& address, const std::
         ": is it an address of this host, and does no other server (another mwidthd, say) "
         "listen there already?");
   }
+  telemetry_.Start();
   address_ = host + ":" + std::to_string(port);
   for (const char* service :
        {"mwidth.v1.RenderingService", "mwidth.v1.StabilityService", "mwidth.v1.TelemetryService"}) {
@@ -81,6 +82,7 @@ Server::~Server() { Shutdown(std::chrono::milliseconds(0)); }
 void Server::Shutdown(std::chrono::milliseconds patience) {
   server_->GetHealthCheckService()->SetServingStatus(false);
   server_->Shutdown(std::chrono::system_clock::now() + patience);
+  telemetry_.Stop();
 }
 
 }  // namespace mwidth::rpc

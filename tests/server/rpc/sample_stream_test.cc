@@ -1,5 +1,6 @@
 #include "server/rpc/sample_stream.h"
 
+#include <gmock/gmock.h>
 #include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>
 
@@ -10,6 +11,7 @@
 #include <random>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "mwidth/v1/telemetry.pb.h"
@@ -83,6 +85,42 @@ TEST_F(SampleStreamTest, ASlowReaderLosesSamplesAloneAndIsToldSo) {
   EXPECT_EQ(fast.absent(), 0);
 }
 
+TEST_F(SampleStreamTest, HoldsSmallBatchesBackUntilTheyAreFullOrAGapOrTheEndComes) {
+  v1::StreamSamplesRequest request;
+  request.set_min_batch(20);
+  request.set_max_batch(20);
+  Stream stream = Open(request);
+  for (uint64_t tick = 1; tick < 60; ++tick) {
+    broadcast_.Consume(BlockOf(tick, 1));
+  }
+  broadcast_.Consume(BlockOf(65, 2));
+  broadcast_.Close();
+  std::vector<std::pair<uint64_t, int>> batches;
+  while (const v1::SampleBatch* batch = stream.Read()) {
+    batches.emplace_back(batch->first_tick(), batch->position_size());
+  }
+  // The first ends where all of this size do.
+  EXPECT_THAT(batches,
+              testing::ElementsAre(std::pair(1, 19), std::pair(20, 20), std::pair(40, 20), std::pair(65, 2)));
+  EXPECT_EQ(stream.absent(), 5);
+}
+
+TEST_F(SampleStreamTest, StreamsOfOneCutAreSentTheSameBytes) {
+  std::vector<std::unique_ptr<Stream>> streams;
+  for (std::size_t i = 0; i < kMaxStreams; ++i) {
+    streams.push_back(std::make_unique<Stream>(*stub_, Request(2, 0, "")));
+  }
+  EXPECT_EQ(broadcast_.groups(), 1);
+  for (uint64_t tick = 1; tick < 1001; tick += 10) {
+    broadcast_.Consume(BlockOf(tick, 10));
+  }
+  for (const auto& stream : streams) {
+    stream->ReadUpTo(1001);
+    EXPECT_EQ(stream->received(), 500);
+    EXPECT_EQ(stream->absent(), 0);
+  }
+}
+
 TEST_F(SampleStreamTest, RefusesMoreStreamsThanTheLimitUntilOneEnds) {
   std::vector<std::unique_ptr<Stream>> streams;
   for (std::size_t i = 0; i < kMaxStreams; ++i) {
@@ -117,6 +155,7 @@ TEST_F(SampleStreamTest, TheServerShutsDownUnderOpenStreams) {
     idle.ReadUpTo(tick + 1);
   }
   server_->Shutdown(std::chrono::system_clock::now());
+  service_.Stop();
   EXPECT_EQ(broadcast_.subscribers(), 0);
   EXPECT_FALSE(stuck.Finish().ok());
 }

@@ -4,6 +4,7 @@
 #include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -84,10 +85,16 @@ class TelemetryFixture : public testing::Test {
     grpc::ServerBuilder builder;
     int port = 0;
     builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port);
-    builder.RegisterService(&service_);
+    service_.AddTo(builder);
     server_ = builder.BuildAndStart();
+    service_.Start();
     channel_ = grpc::CreateChannel("127.0.0.1:" + std::to_string(port), grpc::InsecureChannelCredentials());
     stub_ = v1::TelemetryService::NewStub(channel_);
+  }
+
+  ~TelemetryFixture() override {
+    server_->Shutdown(std::chrono::system_clock::now());
+    service_.Stop();
   }
 
   static v1::StreamSamplesRequest Request(uint32_t decimation, uint32_t max_batch, const std::string& axis) {

@@ -45,6 +45,8 @@ TEST_F(TelemetryServiceTest, StreamsEveryColumnOfASample) {
   const v1::SampleBatch* batch = stream.Read();
   ASSERT_NE(batch, nullptr);
   EXPECT_EQ(batch->axis(), "elbow");
+  EXPECT_EQ(batch->reduction(), v1::REDUCTION_PICK);
+  EXPECT_EQ(batch->position_min_size(), 0);
   EXPECT_EQ(batch->first_tick(), 41);
   EXPECT_EQ(batch->decimation(), 1);
   EXPECT_THAT(batch->monotonic_ns(), ElementsAre(-2, 0));
@@ -90,6 +92,78 @@ TEST_F(TelemetryServiceTest, RefusesNumbersOutOfRange) {
   EXPECT_EQ(broadcast_.subscribers(), 0);
   Stream largest = Open(10'000, 1000, "elbow");
   EXPECT_EQ(broadcast_.subscribers(), 1);
+}
+
+TEST_F(TelemetryServiceTest, RefusesBatchSizesAndReductionsThatCannotBe) {
+  v1::StreamSamplesRequest request;
+  request.set_min_batch(1001);
+  ExpectStatus(Refusal(request), grpc::StatusCode::INVALID_ARGUMENT, "INVALID_NUMBER");
+  request.set_min_batch(11);
+  request.set_max_batch(10);
+  const grpc::Status crossed = Refusal(request);
+  ExpectStatus(crossed, grpc::StatusCode::INVALID_ARGUMENT, "INVALID_NUMBER");
+  EXPECT_THAT(crossed.error_message(), testing::HasSubstr("at most max_batch, which is 10"));
+  request.Clear();
+  request.set_reduction(static_cast<v1::Reduction>(4));
+  ExpectStatus(Refusal(request), grpc::StatusCode::INVALID_ARGUMENT, "INVALID_NUMBER");
+  request.set_reduction(v1::REDUCTION_LOW_PASS);
+  request.set_decimation(1001);
+  const grpc::Status filtered = Refusal(request);
+  ExpectStatus(filtered, grpc::StatusCode::INVALID_ARGUMENT, "INVALID_NUMBER");
+  EXPECT_THAT(filtered.error_message(), testing::HasSubstr("0 to 1000"));
+  EXPECT_EQ(broadcast_.subscribers(), 0);
+  request.set_decimation(1000);
+  request.set_min_batch(1000);
+  Stream largest = Open(request);
+  EXPECT_EQ(broadcast_.subscribers(), 1);
+}
+
+TEST_F(TelemetryServiceTest, SendsExtremesWithEachSampleOfTheTicksSinceTheOneBefore) {
+  auto block = std::make_shared<record::SampleBlock>();
+  for (uint64_t tick = 1; tick <= 20; ++tick) {
+    block->push_back(record::SampleAt(tick));
+    block->back().position = static_cast<double>(tick);
+    block->back().force = -static_cast<double>(tick);
+  }
+  v1::StreamSamplesRequest request;
+  request.set_decimation(10);
+  request.set_reduction(v1::REDUCTION_MIN_MAX);
+  Stream stream = Open(request);
+  broadcast_.Consume(block);
+  const v1::SampleBatch* batch = stream.Read();
+  ASSERT_NE(batch, nullptr);
+  EXPECT_EQ(batch->reduction(), v1::REDUCTION_MIN_MAX);
+  EXPECT_THAT(batch->position(), ElementsAre(10, 20));
+  EXPECT_THAT(batch->position_min(), ElementsAre(1, 11));
+  EXPECT_THAT(batch->position_max(), ElementsAre(10, 20));
+  EXPECT_THAT(batch->force_min(), ElementsAre(-10, -20));
+  EXPECT_THAT(batch->force_max(), ElementsAre(-1, -11));
+  EXPECT_THAT(batch->velocity_min(), ElementsAre(0, 0));
+  EXPECT_THAT(batch->acceleration_max(), ElementsAre(0, 0));
+}
+
+TEST_F(TelemetryServiceTest, SendsALowPassedStreamCentredOnItsTicks) {
+  auto block = std::make_shared<record::SampleBlock>();
+  for (uint64_t tick = 1; tick <= 400; ++tick) {
+    block->push_back(record::SampleAt(tick));
+    // A ramp, which a filter without delay leaves as it is; and what it must take away.
+    block->back().position = 0.01 * static_cast<double>(tick) + (tick % 2 == 0 ? 1 : -1);
+  }
+  v1::StreamSamplesRequest request;
+  request.set_decimation(4);
+  request.set_reduction(v1::REDUCTION_LOW_PASS);
+  Stream stream = Open(request);
+  broadcast_.Consume(block);
+  const v1::SampleBatch* batch = stream.Read();
+  ASSERT_NE(batch, nullptr);
+  EXPECT_EQ(batch->reduction(), v1::REDUCTION_LOW_PASS);
+  EXPECT_EQ(batch->first_tick() % 4, 0);
+  EXPECT_GT(batch->first_tick(), 100);
+  ASSERT_GT(batch->position_size(), 40);
+  for (int i = 0; i < batch->position_size(); ++i) {
+    EXPECT_NEAR(batch->position(i),
+                0.01 * static_cast<double>(batch->first_tick() + 4 * static_cast<uint64_t>(i)), 2e-4);
+  }
 }
 
 TEST_F(TelemetryServiceTest, RefusesAnUnknownAxis) {
