@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <ranges>
 #include <system_error>
 #include <utility>
 
@@ -68,8 +69,8 @@ FileSet::~FileSet() {
     }
   }
   // One that is not empty stays.
-  for (auto folder = made_folders_.rbegin(); folder != made_folders_.rend(); ++folder) {
-    ::rmdir(folder->c_str());
+  for (const fs::path& folder : made_folders_ | std::views::reverse) {
+    ::rmdir(folder.c_str());
   }
 }
 
@@ -88,9 +89,9 @@ fs::path FileSet::Stage(const fs::path& file, bool replace) {
   for (fs::path above = folder; !above.empty() && !fs::exists(above); above = above.parent_path()) {
     missing.push_back(above);
   }
-  for (auto made = missing.rbegin(); made != missing.rend(); ++made) {
-    if (fs::create_directory(*made)) {
-      made_folders_.push_back(*made);
+  for (const fs::path& made : missing | std::views::reverse) {
+    if (fs::create_directory(made)) {
+      made_folders_.push_back(made);
     }
   }
   // A name that no tool takes for data, and no other process for its own.
