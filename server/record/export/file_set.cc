@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <ranges>
 #include <system_error>
 #include <utility>
 
@@ -69,7 +68,7 @@ FileSet::~FileSet() {
     }
   }
   // One that is not empty stays.
-  for (const fs::path& folder : made_folders_ | std::views::reverse) {
+  for (const fs::path& folder : made_folders_) {
     ::rmdir(folder.c_str());
   }
 }
@@ -87,11 +86,11 @@ fs::path FileSet::Stage(const fs::path& file, bool replace) {
   const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
   std::vector<fs::path> missing;
   for (fs::path above = folder; !above.empty() && !fs::exists(above); above = above.parent_path()) {
-    missing.push_back(above);
+    missing.insert(missing.begin(), above);
   }
-  for (const fs::path& made : missing | std::views::reverse) {
+  for (const fs::path& made : missing) {
     if (fs::create_directory(made)) {
-      made_folders_.push_back(made);
+      made_folders_.insert(made_folders_.begin(), made);
     }
   }
   // A name that no tool takes for data, and no other process for its own.

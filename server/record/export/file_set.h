@@ -55,7 +55,7 @@ class FileSet {
   bool overwrite_;
   bool committed_ = false;
   std::vector<Entry> entries_;
-  /// Outermost first.
+  /// Innermost first.
   std::vector<std::filesystem::path> made_folders_;
 };
 
