@@ -94,11 +94,17 @@ std::optional<double> ChirpError(const AxisFacts& facts, double mass, const exch
 }
 
 MassGroup GroupOf(const std::vector<const Movement*>& movements) {
+  // What a trial cuts off tells neither how far it would have gone nor how long.
+  const auto overshoot = [](const Movement& m) {
+    return m.turned ? std::optional(m.overshoot) : std::nullopt;
+  };
+  const auto time_s = [](const Movement& m) {
+    return m.came_to_rest ? std::optional(m.movement_time_s) : std::nullopt;
+  };
   const auto magnitude = [](const Movement& m) { return std::optional(std::abs(m.peak_velocity)); };
   return {.movements = movements.size(),
-          .overshoot = SpreadOf(movements, [](const Movement& m) { return std::optional(m.overshoot); }),
-          .movement_time_s =
-              SpreadOf(movements, [](const Movement& m) { return std::optional(m.movement_time_s); }),
+          .overshoot = SpreadOf(movements, overshoot),
+          .movement_time_s = SpreadOf(movements, time_s),
           .peak_velocity = SpreadOf(movements, magnitude),
           .peak_force = SpreadOf(movements, [](const Movement& m) { return std::optional(m.peak_force); }),
           .perceived_mass = SpreadOf(movements, [](const Movement& m) { return m.perceived_mass; }),

@@ -39,7 +39,9 @@ void JudgeMotion(const Motion& motion, Movement& movement) {
   double farthest = -HUGE_VAL;
   movement.peak = movement.onset;
   for (std::size_t k = movement.onset; k <= movement.settled; ++k) {
-    farthest = std::max(farthest, direction * (motion.position[k] - movement.target));
+    const double beyond = direction * (motion.position[k] - movement.target);
+    movement.turned = movement.came_to_rest || beyond < farthest;
+    farthest = std::max(farthest, beyond);
     if (direction * motion.velocity[k] > direction * motion.velocity[movement.peak]) {
       movement.peak = k;
     }

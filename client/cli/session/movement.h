@@ -77,6 +77,8 @@ struct Movement {
   /// Farthest position beyond the target, until it settled, as a fraction of the way from start to target;
   /// negative: short of it.
   double overshoot = 0;
+  /// It came back from there, or to rest: a trial that ends before does not tell how far it would have gone.
+  bool turned = false;
   /// Position where it settled less the target.
   double end_error = 0;
   /// Of the force smoothed as the motion is.

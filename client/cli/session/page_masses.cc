@@ -96,7 +96,8 @@ std::string MovementRow(const Analysis& analysis, std::size_t trial_index, std::
          Cell(movement.mass ? Significant(movement.mass) : "changed") + position(movement.start) +
          Cell(Fixed(movement.target * display.scale, display.position_digits) +
               (movement.target_given ? "" : "*")) +
-         percent(movement.overshoot) + position(movement.end_error) +
+         Cell(Fixed(movement.overshoot * kPercent, 1, true) + (movement.turned ? "" : "‡")) +
+         position(movement.end_error) +
          Cell(Fixed(movement.movement_time_s, 3) + (movement.came_to_rest ? "" : "†")) +
          Cell(Fixed(movement.time_to_peak_s, 3)) + position(movement.peak_velocity) +
          Cell(Fixed(movement.peak_force, 3)) + Cell(Fixed(movement.rms_force, 3)) +
@@ -108,10 +109,12 @@ std::string MovementRow(const Analysis& analysis, std::size_t trial_index, std::
 std::string Footnotes(const Analysis& analysis) {
   bool guessed = false;
   bool restless = false;
+  bool unturned = false;
   for (const TrialResult& trial : analysis.trials) {
     for (const Movement& movement : trial.movements.found) {
       guessed = guessed || !movement.target_given;
       restless = restless || !movement.came_to_rest;
+      unturned = unturned || !movement.turned;
     }
   }
   std::string notes;
@@ -123,7 +126,10 @@ std::string Footnotes(const Analysis& analysis) {
   if (restless) {
     notes +=
         "<p class=\"note\">† Did not come to rest before the trial, or the next movement, cut it "
-        "off.</p>\n";
+        "off: it counts for no mean movement time.</p>\n";
+  }
+  if (unturned) {
+    notes += "<p class=\"note\">‡ Cut off before it turned: it counts for no mean overshoot.</p>\n";
   }
   return notes;
 }

@@ -167,9 +167,7 @@ Picture OverviewPicture(const Analysis& analysis) {
   }
   for (const record::Event& event : analysis.events) {
     if (event.kind == record::EventKind::kFault || event.kind == record::EventKind::kEmergencyStop) {
-      picture.marks.push_back(
-          {"fault-moment",
-           static_cast<double>(event.monotonic_ns - analysis.info.start_monotonic_ns) / kNsPerS, "fault"});
+      picture.marks.push_back({"fault-moment", second_of(event.tick), StateWord(exchange::State::kFault)});
     }
   }
   std::stable_sort(picture.marks.begin(), picture.marks.end(),

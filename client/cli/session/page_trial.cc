@@ -76,7 +76,7 @@ std::string MarginText(const MarginsInForce& margins) {
 
 std::string MarginFacts(const TrialResult& trial, const Display& display) {
   if (!trial.margins) {
-    return Fact("M-width in force", "set before the session began: see the axis at its start");
+    return Fact("M-width in force", "no mass was set before in this session: see the axis at its start");
   }
   const MarginsInForce& margins = *trial.margins;
   return Fact("Mass that was admitted", Significant(margins.mass) + " " + display.mass) +

@@ -86,6 +86,18 @@ TEST(MovementTest, MeasuresOvershootAndUndershootInPartsOfTheWay) {
   EXPECT_NEAR(found(27 * kDegree).end_error, -3 * kDegree, 0.4 * kDegree);
 }
 
+TEST(MovementTest, TellsWhereTheTrialEndedBeforeTheMovement) {
+  const auto found = [](double seconds) {
+    return Find(TrialOf([](double t) { return ReachAt(t) + 0.02 * std::sin(6 * t) * (t > 1 ? t - 1 : 0); },
+                        0.1, 0.1, seconds),
+                kTask)
+        .found.at(0);
+  };
+  EXPECT_FALSE(found(1.5).turned);
+  EXPECT_FALSE(found(1.5).came_to_rest);
+  EXPECT_TRUE(found(2.5).turned);
+}
+
 TEST(MovementTest, IsTheSameMirrored) {
   const auto there = Find(TrialOf([](double t) { return ReachAt(t, 33 * kDegree); }), kTask).found.at(0);
   const auto back = Find(TrialOf([](double t) { return -ReachAt(t, 33 * kDegree); }, 0.1, -0.1),
