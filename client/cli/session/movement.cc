@@ -8,8 +8,10 @@
 namespace mwidth::cli::session {
 namespace {
 
-// Least way of a movement without a target, as a share of the longest in its trial.
+// Least way of a movement without a target, as a share of the longest in its trial, and of all that it moved:
+// who goes there and comes back has not reached for where he ends.
 constexpr double kLeastWayShare = 0.2;
+constexpr double kLeastShareOfSpan = 0.5;
 
 std::size_t SamplesOf(double time_s, const Motion& motion) {
   return static_cast<std::size_t>(std::lround(time_s / motion.period_s));
@@ -152,6 +154,14 @@ class Reaches {
   double fastest_ = 0;
 };
 
+// From the least to the farthest position.
+double SpanOf(const Motion& motion, const Movement& movement) {
+  const auto begin = motion.position.begin() + static_cast<std::ptrdiff_t>(movement.onset);
+  const auto end = motion.position.begin() + static_cast<std::ptrdiff_t>(movement.settled + 1);
+  const auto [least, most] = std::minmax_element(begin, end);
+  return *most - *least;
+}
+
 // Without one.
 Movements BetweenRests(const Motion& motion) {
   Movements movements;
@@ -181,6 +191,9 @@ Movements BetweenRests(const Motion& motion) {
   }
   std::erase_if(movements.found, [longest](const Movement& movement) {
     return !(std::abs(movement.target - movement.start) > kLeastWayShare * longest);
+  });
+  movements.left_out += std::erase_if(movements.found, [&motion](const Movement& movement) {
+    return std::abs(movement.target - movement.start) < kLeastShareOfSpan * SpanOf(motion, movement);
   });
   return movements;
 }

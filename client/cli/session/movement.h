@@ -101,13 +101,14 @@ inline constexpr double kLeastWayCounts = 50;
 
 struct Movements {
   std::vector<Movement> found;
-  /// Begun before the trial, or without a rest that would tell where they begin.
+  /// Begun before the trial, or without a rest that would tell where they begin; without a target also those
+  /// that come back.
   std::size_t left_out = 0;
 };
 
 /// With a target: every reach that passes the middle of the way, having been in its first quarter before.
 /// Without: every movement between two rests that goes more than a fifth as far as the longest, and farther
-/// than kLeastWayCounts of the encoder.
+/// than kLeastWayCounts of the encoder, and does not come back more than half of its way.
 Movements FindMovements(const Motion& motion, const Task& task, const std::optional<Device>& device);
 
 }  // namespace mwidth::cli::session

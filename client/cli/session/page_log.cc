@@ -111,7 +111,7 @@ straight line.</p>
 <dt>Target</dt><dd>From the trial's metadata: <code>target_deg</code>, <code>target_rad</code>, <code>target_m</code>, or
 <code>target</code> in rad or m; <code>start_deg</code> and so on say where the way begins, otherwise it is the position
 at the trial's start. Without a target, movements are what lies between two rests, and where they come to rest stands for
-it.</dd>
+it; those that come back by more than half are left out.</dd>
 <dt>Onset, end, movement time</dt><dd>Onset: the last moment before the middle of the way with less than 5 % of the
 trial's largest velocity toward the target. End: from there on slower than that for 0.1 s.</dd>
 <dt>Overshoot</dt><dd>The farthest position beyond the target, in parts of the way from start to target. Negative: the

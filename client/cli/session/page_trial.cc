@@ -40,12 +40,14 @@ Picture PictureOf(const Analysis& analysis, std::size_t index) {
                               .levels = {{"zero", 0, ""}},
                               .height = 100,
                               .least_span = 20 * axis.force_quantum}}};
+  constexpr std::size_t kMostLabelled = 3;  // More would lie over each other.
+  const bool labels = trial.movements.found.size() <= kMostLabelled;
   for (const Movement& movement : trial.movements.found) {
     const auto at = [&axis](std::size_t k) { return static_cast<double>(k) * axis.period_s; };
     picture.bands.push_back({"moving", at(movement.onset), at(movement.end), "movement"});
-    picture.marks.push_back({"moment", at(movement.onset), "onset"});
-    picture.marks.push_back({"moment", at(movement.peak), "peak"});
-    picture.marks.push_back({"moment", at(movement.end), movement.came_to_rest ? "rest" : ""});
+    picture.marks.push_back({"moment", at(movement.onset), labels ? "onset" : ""});
+    picture.marks.push_back({"moment", at(movement.peak), labels ? "peak" : ""});
+    picture.marks.push_back({"moment", at(movement.end), labels && movement.came_to_rest ? "rest" : ""});
   }
   return picture;
 }
@@ -147,8 +149,8 @@ std::string MovementFacts(const TrialResult& trial, const Display& display) {
     facts += Fact("", "and " + std::to_string(trial.movements.found.size() - kMost) + " more, in the table");
   }
   if (trial.movements.left_out > 0) {
-    facts +=
-        Fact("Left out", Counted(trial.movements.left_out, "movement") + " cut off by the start or the end");
+    facts += Fact("Left out", Counted(trial.movements.left_out, "movement") +
+                                  " cut off by the start or the end, or there and back");
   }
   if (trial.movements.found.empty()) {
     facts +=

@@ -134,6 +134,21 @@ TEST(MovementTest, WithoutATargetTakesTheRestThatFollowsForIt) {
   EXPECT_EQ(movements.left_out, 0);
 }
 
+TEST(MovementTest, WithoutATargetLeavesOutWhatComesBack) {
+  // There and back without a rest in between, but for 3 degrees; then a reach.
+  const auto wave = [](double t) {
+    return ReachAt(t, 20 * kDegree) - ReachAt(t - 0.7, 17 * kDegree) + ReachAt(t - 3, 20 * kDegree);
+  };
+  const auto movements = Find(TrialOf(wave, 0.1, 0.1, 6), {});
+  ASSERT_EQ(movements.found.size(), 1);
+  EXPECT_NEAR(movements.found[0].start, 3 * kDegree, 0.1 * kDegree);
+  EXPECT_EQ(movements.left_out, 0);  // Too short a way to be told of.
+  const auto longer = [](double t) {
+    return ReachAt(t, 20 * kDegree) - ReachAt(t - 0.7, 14 * kDegree) + ReachAt(t - 3, 20 * kDegree);
+  };
+  EXPECT_EQ(Find(TrialOf(longer, 0.1, 0.1, 6), {}).left_out, 1);
+}
+
 TEST(MovementTest, FindsNothingInAnArmThatRests) {
   const auto jitter = [](double t) { return 1e-5 * static_cast<double>(std::lround(t / kPeriodS) % 3); };
   EXPECT_TRUE(Find(TrialOf(jitter), {}).found.empty());
