@@ -8,8 +8,6 @@
 namespace mwidth::cli::session {
 namespace {
 
-constexpr double kNsPerS = 1e9;
-
 std::string Paragraph(const std::string& text, bool warns = false) {
   return std::string(warns ? "<p class=\"warn\">" : "<p>") + text + "</p>\n";
 }
