@@ -12,7 +12,7 @@ namespace mwidth::record {
 /// rise by more than one, ticks were missed by the loop or dropped by a full ring.
 using SampleBlock = std::vector<exchange::Sample>;
 
-/// One user of an axis's samples: the broadcast, later the session store.
+/// One user of an axis's samples: the broadcast, or the session recorder.
 class SampleSink {
  public:
   SampleSink() = default;

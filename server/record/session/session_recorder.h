@@ -29,7 +29,7 @@ struct SessionLimits {
 /// End.
 class SessionRecorder final : public SampleSink {
  public:
-  static constexpr std::chrono::milliseconds kCommitPeriod{40};
+  static constexpr std::chrono::milliseconds kCommitPeriod{50};
   static constexpr std::chrono::milliseconds kSyncPeriod{500};
 
   /// `store` outlives it. `report` may call AddEvent.

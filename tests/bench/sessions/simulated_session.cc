@@ -50,7 +50,10 @@ render::LoopConfig Loop() {
 }  // namespace
 
 SimulatedSession::SimulatedSession(Wakeups wakeups, const std::optional<std::filesystem::path>& recording)
-    : wakeups_(wakeups), drive_(Drive(), Hand(recording)), config_(Loop()), tick_(config_, drive_, *crossing_) {
+    : wakeups_(wakeups),
+      drive_(Drive(), Hand(recording)),
+      config_(Loop()),
+      tick_(config_, drive_, *crossing_) {
   settings_.rendering = true;
   settings_.render_epoch = 1;
   settings_.lease_deadline_ns = INT64_MAX;

@@ -15,13 +15,13 @@
 
 namespace mwidth::bench {
 
-/// When ticks run: exactly on time, as a lock-step simulation has it, or as late as on a computer: 4 us and an
-/// exponential of 6 us mean, with one in a thousand 100 us later.
+/// When ticks run: exactly on time, as a lock-step simulation has it, or as late as on a computer: 4 us and
+/// an exponential of 6 us mean, with one in a thousand 100 us later.
 enum class Wakeups : uint8_t { kExact, kLate };
 
-/// The shipped elbow (deploy/config/elbow.toml) at 1 kHz with the loop's own tick, in simulated time. The hand
-/// plays `recording` where there is one, the built-in minimum-jerk reaches elsewhere. The mass changes every
-/// 30 s between 0.2, -0.03, 0.4 and 0 kg m^2.
+/// The shipped elbow (deploy/config/elbow.toml) at 1 kHz with the loop's own tick, in simulated time. The
+/// hand plays `recording` where there is one, the built-in minimum-jerk reaches elsewhere. The mass changes
+/// every 30 s between 0.2, -0.03, 0.4 and 0 kg m^2.
 class SimulatedSession {
  public:
   SimulatedSession(Wakeups wakeups, const std::optional<std::filesystem::path>& recording);
