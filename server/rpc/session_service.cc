@@ -159,7 +159,7 @@ grpc::Status SessionService::AddMarker(grpc::ServerContext*, const v1::AddMarker
   return OnAxis(
       "AddMarker", axes_, request->axis(),
       [&](const Axis& axis) -> gate::Result<record::Marker> {
-        const auto marker = ReadMarker(*request, axis.clock.NowNs());
+        auto marker = ReadMarker(*request, axis.clock.NowNs());
         if (!marker.ok()) {
           return marker;
         }

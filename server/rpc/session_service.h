@@ -42,7 +42,7 @@ class SessionService final : public v1::SessionService::Service {
                            grpc::ServerWriter<v1::ReadSessionResponse>* writer) override;
 
  private:
-  gate::Result<record::SessionInfo> Start(const Axis& axis, const v1::SessionLabels& labels);
+  gate::Result<record::SessionInfo> Start(const Axis& axis, const v1::SessionLabels& sent);
   /// Precondition: the axis has a recorder.
   static gate::Result<record::SessionInfo> End(const Axis& axis, const std::string& session_id);
   /// The session of that id as it is recorded now, of any axis.
