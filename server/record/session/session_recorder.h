@@ -19,7 +19,7 @@ namespace mwidth::record {
 
 struct SessionLimits {
   /// Samples that may wait for the disk; beyond that they are dropped, and the session notes the gap.
-  std::size_t queue_samples = 20000;
+  std::size_t queue_samples = 100'000;
 };
 
 /// Stays attached to an axis's drain, and is idle without a session. A session has two threads of its own:
