@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <random>
-#include <regex>
 #include <string>
 
 namespace mwidth::cli::session {
@@ -21,12 +21,16 @@ std::vector<Point> PathIn(const std::string& svg) {
   const auto begin = svg.find(" d=\"") + 4;
   const std::string path = svg.substr(begin, svg.find('"', begin) - begin);
   std::vector<Point> points;
-  const std::regex step("([ML])([-0-9.]+) ([-0-9.]+)");
-  for (std::sregex_iterator match(path.begin(), path.end(), step), end; match != end; ++match) {
-    if ((*match)[1] == "M") {
+  char command = 0;
+  char number[2][32] = {};
+  int length = 0;
+  for (const char* at = path.c_str();
+       std::sscanf(at, "%c%31[-0-9.] %31[-0-9.]%n", &command, number[0], number[1], &length) == 3;
+       at += length) {
+    if (command == 'M') {
       points.push_back({0, std::nan("")});
     }
-    points.push_back({std::stod((*match)[2]), std::stod((*match)[3])});
+    points.push_back({std::stod(number[0]), std::stod(number[1])});
   }
   return points;
 }
