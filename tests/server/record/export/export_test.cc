@@ -3,8 +3,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
+#include <csignal>
+#include <cstdlib>
 #include <fstream>
 #include <sstream>
 
@@ -73,6 +76,27 @@ TEST_F(ExportTest, ADatasetThatCannotBeMergedIntoIsLeftAsItIs) {
   WriteText(folder_ / "bids" / "participants.tsv", "name\tage\n");
   EXPECT_THROW(ExportBids(reader, folder_ / "bids", true), ExportRefused);
   EXPECT_EQ(std::distance(fs::recursive_directory_iterator(folder_ / "bids"), {}), 1);
+}
+
+// Ends with 0 where the export fails as it should, in a process whose files end at 64 KiB.
+[[noreturn]] void ExportWithoutRoom(SessionReader& reader, const fs::path& file) {
+  std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit limit{65536, 65536};
+  setrlimit(RLIMIT_FSIZE, &limit);
+  try {
+    ExportHdf5(reader, file, false);
+  } catch (const std::runtime_error& error) {
+    std::exit(std::string(error.what()).starts_with("cannot write " + file.string()) ? 0 : 2);
+  }
+  std::exit(1);
+}
+
+TEST_F(ExportTest, Hdf5SurvivesADiskWithoutRoom) {
+  Write(MakeSession(3, 20'000, true), folder_ / "one.sqlite");
+  SessionReader reader(folder_ / "one.sqlite");
+  // Its exit handlers run, too: there HDF5 would try again, and crash.
+  EXPECT_EXIT(ExportWithoutRoom(reader, folder_ / "out" / "one.h5"), ::testing::ExitedWithCode(0), "");
+  EXPECT_FALSE(fs::exists(folder_ / "out"));
 }
 
 TEST_F(ExportTest, AFolderThatCannotBeWrittenIsNamed) {
