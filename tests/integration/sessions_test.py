@@ -67,14 +67,18 @@ class SessionsTest(unittest.TestCase):
         with self.client.session(subject="sub-01", task="reach") as session:
             with session.trial("one", target_rad=0.5):
                 time.sleep(0.02)
-            session.mark("late", at_ns=time.monotonic_ns() - 10_000_000)
+            self.assertIsNone(session.clock, "the axis's time runs at another pace")
+            with self.assertRaises(ValueError):
+                session.mark("earlier", at_ns=time.monotonic_ns())
+            session.mark("late")
             with self.client.control("the study") as control:
                 control.set_mass(0.05)
         stored = self.client.stored_session(session.session_id)
         self.assertEqual([(marker.label, marker.kind) for marker in stored.markers],
                          [("one", "trial_start"), ("one", "trial_end"), ("late", "")])
         self.assertEqual(stored.markers[0].metadata["target_rad"], "0.5")
-        self.assertGreater(stored.markers[0].error_ns, 0)
+        for marker in stored.markers:
+            self.assertEqual(marker.monotonic_ns, marker.arrival_ns)
         kinds = [event.kind for event in stored.events]
         self.assertIn(telemetry.EVENT_KIND_SESSION_STARTED, kinds)
         self.assertIn(telemetry.EVENT_KIND_MASS_SET, kinds)
@@ -177,6 +181,16 @@ class SessionsTest(unittest.TestCase):
 
 
 class RealTimeClockTest(unittest.TestCase):
+    def test_a_past_moment_is_marked_where_it_was(self):
+        with tempfile.TemporaryDirectory() as folder, ServerProcess("--config", "paper", "--sessions", folder) as server, \
+                mwidth.Client(server.address) as client, client.session(subject="01", task="reach") as session:
+            past_ns = time.monotonic_ns() - 10_000_000
+            marker = session.mark("past", at_ns=past_ns)
+            self.assertEqual(marker.client_ns, past_ns)
+            self.assertGreater(marker.error_ns, 0)
+            self.assertLessEqual(abs(marker.monotonic_ns - past_ns), marker.error_ns, "one clock for all of a host")
+            self.assertGreater(marker.arrival_ns, marker.monotonic_ns)
+
     def test_both_clocks_being_one_the_offset_is_zero_within_its_bound(self):
         with tempfile.TemporaryDirectory() as folder, ServerProcess("--config", "paper", "--sessions", folder) as server, \
                 mwidth.Client(server.address) as client:

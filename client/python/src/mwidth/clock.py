@@ -18,6 +18,10 @@ class ClockOffset:
         """The time on the axis's clock, as samples and events have it, of a time of time.monotonic_ns()."""
         return client_ns + self.offset_ns
 
+    def agrees_with(self, other):
+        """False where the two, measured one right after the other, cannot both be right: the clocks' paces differ."""
+        return abs(self.offset_ns - other.offset_ns) <= self.error_ns + other.error_ns
+
 
 def measure(ask, count):
     """ClockOffset of the best of `count` exchanges; ask(client_ns) returns a SyncClockResponse.

@@ -16,15 +16,17 @@ class Session:
             session.mark("question asked", at_ns=asked_ns)
 
     Times given to it are this process's time.monotonic_ns(); they are put on the axis's clock by `clock`, measured when
-    the session begins and whenever sync_clock() is called. All methods may be called from any thread and raise Error.
+    the session begins and whenever sync_clock() is called. A simulation whose time runs faster or slower has no such
+    `clock` (None): then moments are marked as they reach the server, and no other can be. All methods may be called from
+    any thread and raise Error.
     """
 
     def __init__(self, client, info, axis):
         self._client = client
         self._axis = axis
         self.info = info  # mwidth.v1.Session, as it began; after end() as it ended
-        self.clock = client.sync_clock(axis)
         self._ended = False
+        self.sync_clock()
 
     @property
     def session_id(self):
@@ -43,20 +45,24 @@ class Session:
 
     def sync_clock(self):
         """Measures the clock anew; every minute or so."""
-        self.clock = self._client.sync_clock(self._axis)
+        before = self._client.sync_clock(self._axis)
+        after = self._client.sync_clock(self._axis)
+        self.clock = after if after.agrees_with(before) else None
 
     def mark(self, label, kind="", metadata=None, at_ns=None):
         """Marker: marks the moment at_ns, by default now. Metadata are kept as text."""
-        client_ns = time.monotonic_ns() if at_ns is None else at_ns
         request = session_pb2.AddMarkerRequest(
             axis=self._axis,
             label=label,
             kind=kind,
             metadata={key: str(value) for key, value in (metadata or {}).items()},
-            time=session_pb2.ClientTime(
-                client_ns=client_ns, offset_ns=self.clock.offset_ns, error_ns=self.clock.error_ns
-            ),
         )
+        if self.clock is not None:
+            request.time.client_ns = time.monotonic_ns() if at_ns is None else at_ns
+            request.time.offset_ns = self.clock.offset_ns
+            request.time.error_ns = self.clock.error_ns
+        elif at_ns is not None:
+            raise ValueError("the axis's time is simulated and runs at another pace: mark moments as they come")
         return self._client._call(self._client._sessions.AddMarker, request).marker
 
     @contextlib.contextmanager
