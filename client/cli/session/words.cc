@@ -40,7 +40,10 @@ std::string OneLine(std::string text) {
 std::string Pairs(const std::map<std::string, std::string>& metadata) {
   std::string text;
   for (const auto& [key, value] : metadata) {
-    text += (text.empty() ? "" : ", ") + key + "=" + value;
+    text += text.empty() ? "" : ", ";
+    text += key;
+    text += '=';
+    text += value;
   }
   return text;
 }
