@@ -8,7 +8,8 @@ import grpc
 import mwidth
 import numpy as np
 from fake_server import ADMITTED, FakeServer
-from mwidth.v1 import rendering_pb2, stability_pb2
+from mwidth import samples
+from mwidth.v1 import rendering_pb2, stability_pb2, telemetry_pb2
 
 
 class ClientTest(unittest.TestCase):
@@ -206,6 +207,36 @@ class SampleStreamTest(unittest.TestCase):
         self.assertEqual((third.missed_ticks_before, third.dropped_ticks_before), (2, 3))
         self.assertEqual((stream.missed_ticks, stream.dropped_ticks), (2, 3))
         self.assertEqual(len(third), 3)
+
+    def test_a_stream_asks_for_batches_and_reductions_by_name(self):
+        with self.client.stream(decimation=10, min_batch=5, max_batch=50, reduction="min-max") as stream:
+            next(stream)
+        request = self.server.last_request
+        self.assertEqual((request.decimation, request.min_batch, request.max_batch), (10, 5, 50))
+        self.assertEqual(request.reduction, telemetry_pb2.REDUCTION_MIN_MAX)
+        with self.assertRaises(ValueError):
+            self.client.stream(reduction="mean")
+
+    def test_samples_have_their_extremes_where_they_were_asked_for(self):
+        batch = telemetry_pb2.SampleBatch(position=[1, 2], position_min=[0.5, 1.5], force_max=[3, 4])
+        got = samples.from_message(batch)
+        self.assertEqual(got.position_min.tolist(), [0.5, 1.5])
+        self.assertEqual(got.force_max.tolist(), [3, 4])
+        self.assertIsNone(got.velocity_min)
+        joined = mwidth.concatenate([got, got])
+        self.assertEqual(joined.position_min.tolist(), [0.5, 1.5, 0.5, 1.5])
+        self.assertIsNone(joined.velocity_min)
+
+    def test_what_follows_a_batch_in_its_message_goes_on_with_it_and_stands_in_place_of_its_fields(self):
+        """As mwidthd joins batches that waited, and tells a slow reader alone what it lost."""
+        parts = [telemetry_pb2.SampleBatch(first_tick=10, dropped_ticks_before=1, position=[0.5, 1.5]),
+                 telemetry_pb2.SampleBatch(first_tick=12, position=[2.5], state=[1]),
+                 telemetry_pb2.SampleBatch(first_tick=10, missed_ticks_before=3, dropped_ticks_before=400)]
+        data = b"".join(telemetry_pb2.StreamSamplesResponse(batch=part).SerializeToString() for part in parts)
+        got = samples.from_message(telemetry_pb2.StreamSamplesResponse.FromString(data).batch)
+        self.assertEqual(got.position.tolist(), [0.5, 1.5, 2.5])
+        self.assertEqual(got.tick.tolist(), [10, 11, 12])
+        self.assertEqual((got.missed_ticks_before, got.dropped_ticks_before), (3, 400))
 
     def test_concatenate_keeps_order_and_inner_gaps(self):
         with self.client.stream(max_batch=2) as stream:

@@ -171,9 +171,25 @@ class Client:
         lease = self._call(self._rendering.AcquireControl, request).lease
         return Control(self._rendering, axis, lease, self._timeout_s)
 
-    def stream(self, axis="", decimation=1, max_batch=0):
-        """SampleStream of every decimation-th tick from now on, in batches of at most max_batch (0: the server's)."""
-        request = telemetry_pb2.StreamSamplesRequest(axis=axis, decimation=decimation, max_batch=max_batch)
+    def stream(self, axis="", decimation=1, max_batch=0, min_batch=0, reduction="pick"):
+        """SampleStream of every decimation-th tick from now on.
+
+            for batch in client.stream(min_batch=100):  # a tenth of a second at 1 kHz, for a fraction of the work
+
+        Args:
+            max_batch: most samples in a batch; 0: the server's choice.
+            min_batch: fewest samples in a batch, held back until they are there; 0: what is there.
+            reduction: how many ticks become one sample: "pick" takes one as it is, "low-pass" filters before (flat to
+                0.8 of half the new rate), "min-max" adds the extremes since the sample before.
+        """
+        name = "REDUCTION_" + reduction.upper().replace("-", "_")
+        request = telemetry_pb2.StreamSamplesRequest(
+            axis=axis,
+            decimation=decimation,
+            max_batch=max_batch,
+            min_batch=min_batch,
+            reduction=telemetry_pb2.Reduction.Value(name),
+        )
         return SampleStream(self._telemetry.StreamSamples(request))
 
     def events(self, axis="", after_number=None):

@@ -27,6 +27,15 @@ class SampleBatch:
     position_counts: np.ndarray  # int64
     force_counts: np.ndarray  # int32
     acceleration_counts: np.ndarray  # int32, what the accelerometer told; 0 without one
+    # Of reduction="min-max": the extremes since the sample before. None otherwise.
+    position_min: np.ndarray | None = None
+    position_max: np.ndarray | None = None
+    velocity_min: np.ndarray | None = None
+    velocity_max: np.ndarray | None = None
+    acceleration_min: np.ndarray | None = None
+    acceleration_max: np.ndarray | None = None
+    force_min: np.ndarray | None = None
+    force_max: np.ndarray | None = None
     missed_ticks_before: int = 0
     dropped_ticks_before: int = 0
 
@@ -49,14 +58,20 @@ _DTYPES = {
 }
 
 
+_EXTREMES = tuple(f"{of}_{bound}" for of in ("position", "velocity", "acceleration", "force") for bound in ("min", "max"))
+
+
 def from_message(batch):
     """SampleBatch of a mwidth.v1.SampleBatch."""
-    columns = {name: np.array(getattr(batch, name), dtype=dtype) for name, dtype in _DTYPES.items()}
+    count = len(batch.position)
+    # fromiter takes two thirds of the time of array, which looks at every element twice.
+    columns = {name: np.fromiter(getattr(batch, name), dtype) for name, dtype in _DTYPES.items()}
     if not batch.acceleration_counts:  # a server from before accelerometers
-        columns["acceleration_counts"] = np.zeros(len(batch.position), dtype=np.int32)
+        columns["acceleration_counts"] = np.zeros(count, dtype=np.int32)
+    columns |= {name: np.fromiter(getattr(batch, name), np.float64) for name in _EXTREMES if getattr(batch, name)}
     # A server that left the decimation unset sent every tick.
     step = max(1, batch.decimation)
-    tick = np.uint64(batch.first_tick) + np.arange(len(batch.position), dtype=np.uint64) * np.uint64(step)
+    tick = np.uint64(batch.first_tick) + np.arange(count, dtype=np.uint64) * np.uint64(step)
     return SampleBatch(
         tick=tick,
         missed_ticks_before=batch.missed_ticks_before,
@@ -68,16 +83,20 @@ def from_message(batch):
 def concatenate(batches):
     """One SampleBatch of many, at least one; its gaps are those between them, the first one's own left out."""
     batches = list(batches)
+    names = [*_DTYPES, *(name for name in _EXTREMES if getattr(batches[0], name) is not None)]
     return SampleBatch(
         tick=np.concatenate([batch.tick for batch in batches]),
         missed_ticks_before=sum(batch.missed_ticks_before for batch in batches[1:]),
         dropped_ticks_before=sum(batch.dropped_ticks_before for batch in batches[1:]),
-        **{name: np.concatenate([getattr(batch, name) for batch in batches]) for name in _DTYPES},
+        **{name: np.concatenate([getattr(batch, name) for batch in batches]) for name in names},
     )
 
 
 class SampleStream(ResponseStream):
-    """Iterates over SampleBatches. Made by Client.stream. missed_ticks and dropped_ticks count those without a sample."""
+    """Iterates over SampleBatches. Made by Client.stream.
+
+    missed_ticks and dropped_ticks count those without a sample.
+    """
 
     def __init__(self, call):
         super().__init__(call)
