@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <utility>
 #include <vector>
 
 #include <SQLiteCpp/Database.h>
@@ -69,8 +70,11 @@ class SessionFile::Database {
 
   // Takes up an existing file, of which a reader said this.
   struct Existing {};
-  Database(const std::filesystem::path& file, const SessionInfo& info, Existing)
-      : file_(file), info_(info), encoder_(info.axis), samples_(info.axis, kBlockSamples) {
+  Database(std::filesystem::path file, SessionInfo info, Existing)
+      : file_(std::move(file)),
+        info_(std::move(info)),
+        encoder_(info_.axis),
+        samples_(info_.axis, kBlockSamples) {
     Guard([this] {
       database_ =
           std::make_unique<SQLite::Database>(file_.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_NOMUTEX);
