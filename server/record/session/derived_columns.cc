@@ -1,6 +1,6 @@
 #include "server/record/session/derived_columns.h"
 
-#include <cstring>
+#include <bit>
 
 #include "server/render/limits.h"
 
@@ -25,9 +25,8 @@ void SetDerived(const DerivedColumns& derived, exchange::Sample& sample) noexcep
 }
 
 bool SameBits(const DerivedColumns& a, const DerivedColumns& b) noexcept {
-  // On purpose: numbers that are equal may have other bits.
-  return std::memcmp(&a, &b, sizeof a) ==
-         0;  // NOLINT(bugprone-suspicious-memory-comparison,cert-exp42-c,cert-flp37-c)
+  using AsBits = std::array<uint64_t, 8>;
+  return std::bit_cast<AsBits>(a) == std::bit_cast<AsBits>(b);
 }
 
 ColumnRebuilder::ColumnRebuilder(const SessionAxis& axis) noexcept
