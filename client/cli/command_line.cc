@@ -1,5 +1,7 @@
 #include "client/cli/command_line.h"
 
+#include <map>
+#include <string>
 #include <utility>
 
 #include "client/cli/estimator_name.h"
@@ -69,6 +71,7 @@ void DefineStream(CLI::App& app, CommandLine& line) {
                  "Ticks without a sample are reported on standard error",
                  "  mwidth stream\n"
                  "  mwidth stream --csv reach.csv --seconds 5\n"
+                 "  mwidth stream --csv slow.csv --decimation 10 --reduction low-pass\n"
                  "  mwidth stream --csv --samples 1000 | your-program");
   command
       ->add_option("--csv", line.csv, "Write CSV with 17 significant digits to FILE, or to standard output")
@@ -83,6 +86,20 @@ void DefineStream(CLI::App& app, CommandLine& line) {
           "--decimation", line.decimation,
           "Take one of so many ticks; default 1 for CSV and JSON, a tenth of a second for the terminal")
       ->check(CLI::PositiveNumber);
+  command
+      ->add_option(
+          "--reduction", line.reduction,
+          "How many ticks become one: pick takes one as it is; low-pass filters before (flat to 0.8 of "
+          "half the new rate); min-max adds the least and greatest value since the one before. Default: pick")
+      ->transform(CLI::Transformer(std::map<std::string, v1::Reduction>{{"pick", v1::REDUCTION_PICK},
+                                                                        {"low-pass", v1::REDUCTION_LOW_PASS},
+                                                                        {"min-max", v1::REDUCTION_MIN_MAX}}))
+      ->type_name("pick|low-pass|min-max");
+  command
+      ->add_option(
+          "--min-batch", line.min_batch,
+          "Hold samples back until so many are there, 1 to 1000: less work; default: show what is there")
+      ->check(CLI::Range(1, 1000));
 }
 
 void DefineFigures(CLI::App& app, CommandLine& line) {

@@ -3,6 +3,7 @@
 
 #include <mwidth/v1/session.pb.h>
 #include <mwidth/v1/stability.pb.h>
+#include <mwidth/v1/telemetry.pb.h>
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
@@ -87,6 +88,8 @@ struct CommandLine {
   std::optional<uint64_t> samples;
   std::optional<double> seconds;
   std::optional<uint32_t> decimation;
+  std::optional<uint32_t> min_batch;
+  v1::Reduction reduction = v1::REDUCTION_PICK;
 
   // events
   std::optional<uint64_t> events_after;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iomanip>
 #include <string>
+#include <utility>
 
 #include "client/cli/numbers.h"
 #include "client/cli/report.h"
@@ -12,14 +13,18 @@ namespace {
 
 class Csv : public SampleRows {
  public:
-  Csv(std::ostream& out, const Units& units) : out_(out), units_(units) {}
+  Csv(std::ostream& out, const Units& units, bool extremes) : out_(out), units_(units), extremes_(extremes) {}
 
   void Write(const v1::SampleBatch& batch, int index) override {
     if (!head_written_) {
       out_ << "tick,monotonic_ns,position_" << units_.position.suffix << ",velocity_"
            << units_.velocity.suffix << ",acceleration_" << units_.acceleration.suffix << ",force_"
            << units_.force.suffix << ",mass_" << units_.mass.suffix
-           << ",state,saturated,position_counts,force_counts,acceleration_counts\n";
+           << ",state,saturated,position_counts,force_counts,acceleration_counts";
+      if (extremes_) {
+        WriteExtremesHead();
+      }
+      out_ << '\n';
       head_written_ = true;
     }
     out_ << TickOf(batch, index) << ',' << batch.monotonic_ns(index) << ',' << Exact(batch.position(index))
@@ -29,12 +34,31 @@ class Csv : public SampleRows {
          << batch.position_counts(index) << ',' << batch.force_counts(index)
          << ','
          // A server from before accelerometers sends none.
-         << (index < batch.acceleration_counts_size() ? batch.acceleration_counts(index) : 0) << '\n';
+         << (index < batch.acceleration_counts_size() ? batch.acceleration_counts(index) : 0);
+    if (extremes_) {
+      for (const auto* column :
+           {&batch.position_min(), &batch.position_max(), &batch.velocity_min(), &batch.velocity_max(),
+            &batch.acceleration_min(), &batch.acceleration_max(), &batch.force_min(), &batch.force_max()}) {
+        // A server from before reductions sends none.
+        out_ << ',' << (index < column->size() ? Exact(column->Get(index)) : "");
+      }
+    }
+    out_ << '\n';
   }
 
  private:
+  void WriteExtremesHead() {
+    for (const auto& [name, unit] : {std::pair{"position", &units_.position},
+                                     {"velocity", &units_.velocity},
+                                     {"acceleration", &units_.acceleration},
+                                     {"force", &units_.force}}) {
+      out_ << ',' << name << "_min_" << unit->suffix << ',' << name << "_max_" << unit->suffix;
+    }
+  }
+
   std::ostream& out_;
   const Units& units_;
+  const bool extremes_;
   bool head_written_ = false;
 };
 
@@ -88,8 +112,8 @@ class Table : public SampleRows {
 
 }  // namespace
 
-std::unique_ptr<SampleRows> CsvRows(std::ostream& out, const Units& units) {
-  return std::make_unique<Csv>(out, units);
+std::unique_ptr<SampleRows> CsvRows(std::ostream& out, const Units& units, bool extremes) {
+  return std::make_unique<Csv>(out, units, extremes);
 }
 
 std::unique_ptr<SampleRows> TableRows(std::ostream& out, const Units& units) {

@@ -24,9 +24,10 @@ class SampleRows {
 };
 
 /// CSV (RFC 4180 without quotes, lines end in a newline): tick, monotonic_ns, position, velocity,
-/// acceleration, force, mass, state, saturated, position_counts, force_counts; the units are in the head. 17
-/// significant digits.
-std::unique_ptr<SampleRows> CsvRows(std::ostream& out, const Units& units);
+/// acceleration, force, mass, state, saturated, position_counts, force_counts, acceleration_counts; where
+/// there are `extremes`, then position_min, position_max and those of velocity, acceleration and force. The
+/// units are in the head. 17 significant digits.
+std::unique_ptr<SampleRows> CsvRows(std::ostream& out, const Units& units, bool extremes = false);
 /// Aligned columns for a terminal; the head is repeated every 20 rows. Time counts from the first sample.
 std::unique_ptr<SampleRows> TableRows(std::ostream& out, const Units& units);
 

@@ -114,8 +114,11 @@ int RunStream(const CommandLine& line) {
   // A batch covers at most 50 ms, so that what is shown is live.
   const double batch = std::clamp(0.05 / (period_s * decimation), 1.0, 1000.0);
 
-  const auto rows = line.csv ? CsvRows(out, UnitsOf(info.kind())) : TableRows(out, UnitsOf(info.kind()));
-  auto stream = client.Stream(line.axis, decimation, static_cast<uint32_t>(batch));
+  const auto rows = line.csv ? CsvRows(out, UnitsOf(info.kind()), line.reduction == v1::REDUCTION_MIN_MAX)
+                             : TableRows(out, UnitsOf(info.kind()));
+  const uint32_t min_batch = line.min_batch.value_or(0);
+  auto stream = client.Stream(line.axis, decimation, std::max(min_batch, static_cast<uint32_t>(batch)),
+                              min_batch, line.reduction);
   const std::stop_callback cancel(interrupt.token(), [&stream] { stream.Cancel(); });
   return Copy(stream, line, *rows, out);
 }

@@ -125,11 +125,14 @@ Control Client::AcquireControl(const std::string& client_name, const std::string
   return Control(rendering_, axis, std::move(*response.mutable_lease()), sent, call_timeout_);
 }
 
-SampleStream Client::Stream(const std::string& axis, uint32_t decimation, uint32_t max_batch) const {
+SampleStream Client::Stream(const std::string& axis, uint32_t decimation, uint32_t max_batch,
+                            uint32_t min_batch, v1::Reduction reduction) const {
   v1::StreamSamplesRequest request;
   request.set_axis(axis);
   request.set_decimation(decimation);
   request.set_max_batch(max_batch);
+  request.set_min_batch(min_batch);
+  request.set_reduction(reduction);
   return SampleStream(telemetry_, request);
 }
 

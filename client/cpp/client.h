@@ -67,9 +67,11 @@ class Client {
   Control AcquireControl(const std::string& client_name, const std::string& axis = "",
                          std::optional<Seconds> ttl = std::nullopt) const;
 
-  /// Streams every `decimation`-th tick from now on in batches of at most `max_batch` samples (0: the
-  /// server's choice). Errors, an unknown axis among them, come from the stream's Next.
-  SampleStream Stream(const std::string& axis = "", uint32_t decimation = 1, uint32_t max_batch = 0) const;
+  /// Streams every `decimation`-th tick from now on, reduced as `reduction` says, in batches of at least
+  /// `min_batch` (0: what is there) and at most `max_batch` samples (0: the server's choice). Errors, an
+  /// unknown axis among them, come from the stream's Next.
+  SampleStream Stream(const std::string& axis = "", uint32_t decimation = 1, uint32_t max_batch = 0,
+                      uint32_t min_batch = 0, v1::Reduction reduction = v1::REDUCTION_UNSPECIFIED) const;
 
   /// Hands what happens from now on, or behind `request.after_number`, to `take`, from the calling thread,
   /// until that returns false, which it is asked at the next event. Throws Error when the server ends the

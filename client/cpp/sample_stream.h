@@ -27,7 +27,7 @@ struct StreamGaps {
 /// destructor cancels what is still running.
 class SampleStream {
  public:
-  /// Sends the request; Client::Stream calls this. `decimation` and `max_batch` as in StreamSamplesRequest.
+  /// Sends the request; Client::Stream calls this. Sizes and reduction as in StreamSamplesRequest.
   SampleStream(std::shared_ptr<v1::TelemetryService::StubInterface> stub,
                const v1::StreamSamplesRequest& request);
   SampleStream(const SampleStream&) = delete;

@@ -228,6 +228,9 @@ class FakeServer::Telemetry : public v1::TelemetryService::Service {
       const auto size = request->max_batch() == 0 ? 100 : request->max_batch();
       for (uint32_t i = 0; i < size; ++i, tick += decimation) {
         AddSample(tick, batch);
+        if (request->reduction() == v1::REDUCTION_MIN_MAX) {
+          AddExtremes(tick, batch);
+        }
       }
       if (!writer->Write(response)) {
         return grpc::Status::CANCELLED;
@@ -252,6 +255,17 @@ class FakeServer::Telemetry : public v1::TelemetryService::Service {
     batch.add_position_counts(-static_cast<int64_t>(tick));
     batch.add_force_counts(12);
     batch.add_acceleration_counts(-7);
+  }
+
+  static void AddExtremes(uint64_t tick, v1::SampleBatch& batch) {
+    batch.add_position_min(static_cast<double>(tick));
+    batch.add_position_max(static_cast<double>(tick + 1));
+    batch.add_velocity_min(-2);
+    batch.add_velocity_max(-1);
+    batch.add_acceleration_min(1);
+    batch.add_acceleration_max(2);
+    batch.add_force_min(0);
+    batch.add_force_max(0.5);
   }
 
   FakeServer& fake_;
