@@ -23,6 +23,8 @@ namespace mwidth::record {
 namespace {
 
 constexpr mode_t kFileMode = 0640;
+// How long the end of a session waits for those who read it just now.
+constexpr int kBusyTimeoutMs = 2000;
 
 // Created here and not by SQLite, whose files the whole world may read.
 void CreateFile(const std::filesystem::path& file) {
@@ -38,6 +40,16 @@ void RemoveFile(const std::filesystem::path& file) {
     std::error_code ignored;
     std::filesystem::remove(file.string() + suffix, ignored);
   }
+}
+
+// The log into the file, the disk's own word for it included; then a single file that can be read without
+// writing anything beside it. Readers that have it open keep the log's file, and those that read an older
+// state of it what is behind that.
+void LeaveLog(SQLite::Database& database) {
+  database.setBusyTimeout(kBusyTimeoutMs);
+  database.tryExec("PRAGMA wal_checkpoint(TRUNCATE)");
+  database.setBusyTimeout(0);
+  database.tryExec("PRAGMA journal_mode = DELETE");
 }
 
 // So that the file is found after a loss of power.
@@ -101,7 +113,7 @@ class SessionFile::Database {
   void Commit() {
     Guard([this] {
       const bool only_tail = samples_.whole_blocks() == 0 && events.empty() && markers.empty() &&
-                             gaps.empty() && steps.empty() && !ending_;
+                             gaps.empty() && steps.empty() && !info_changed_;
       // A statement of its own is a transaction of its own, at less cost.
       if (only_tail) {
         WriteSamples();
@@ -114,6 +126,7 @@ class SessionFile::Database {
     blocks_ += static_cast<int64_t>(samples_.whole_blocks());
     ++tail_rows_;
     samples_.Committed();
+    info_changed_ = false;
     events.clear();
     markers.clear();
     gaps.clear();
@@ -131,21 +144,30 @@ class SessionFile::Database {
     }
   }
 
-  void End(SessionState state, std::optional<int64_t> end_wall_ns) {
-    ending_ = true;
+  void End(SessionState state, std::optional<int64_t> end_wall_ns, const std::optional<Gap>& last_gap) {
     info_.state = state;
     info_.end_wall_ns = end_wall_ns;
+    info_changed_ = true;
+    last_gap_ = last_gap;
     samples_.Close();
-    Commit();
-    Sync();
+    try {
+      Commit();
+      Sync();
+    } catch (const StorageError&) {
+      // The next commit says so, whether the end came into the file or not.
+      info_.state = SessionState::kOpen;
+      info_.end_wall_ns.reset();
+      info_changed_ = true;
+      last_gap_.reset();
+      throw;
+    }
     log_.reset();
-    // A single file that can be read without writing anything beside it. Refused while somebody reads it, and
-    // then its readers go on with the log.
-    database_->tryExec("PRAGMA journal_mode = DELETE");
+    LeaveLog(*database_);
   }
 
   bool HasPending() const {
-    return samples_.pending() > 0 || !events.empty() || !markers.empty() || !gaps.empty() || !steps.empty();
+    return samples_.pending() > 0 || !events.empty() || !markers.empty() || !gaps.empty() || !steps.empty() ||
+           info_changed_;
   }
   std::size_t pending_samples() const { return samples_.pending(); }
 
@@ -233,8 +255,18 @@ class SessionFile::Database {
     insert(markers);
     insert(gaps);
     insert(steps);
-    if (ending_) {
+    if (info_changed_) {
       WriteInfo(info_, *database_);
+      WriteLastGap();
+    }
+  }
+
+  // Nothing else has no tick behind it.
+  void WriteLastGap() {
+    if (last_gap_) {
+      rows_->Insert(*last_gap_);
+    } else if (info_.state == SessionState::kOpen) {
+      database_->exec("DELETE FROM gaps WHERE before_tick = 0");
     }
   }
 
@@ -263,7 +295,9 @@ class SessionFile::Database {
   // The largest numbers so far; of the tail an upper bound, for no number may come twice.
   int64_t blocks_ = 0;
   int64_t tail_rows_ = 0;
-  bool ending_ = false;
+  // The session was ended, or its end failed and it goes on.
+  bool info_changed_ = false;
+  std::optional<Gap> last_gap_;
   uint64_t last_tick_ = 0;
   uint64_t last_missed_ticks_ = 0;
 };
@@ -295,8 +329,18 @@ void SessionFile::Commit(Durability durability) {
   }
 }
 void SessionFile::Sync() { database_->Sync(); }
-void SessionFile::End(SessionState state, std::optional<int64_t> end_wall_ns) {
-  database_->End(state, end_wall_ns);
+void SessionFile::End(SessionState state, std::optional<int64_t> end_wall_ns,
+                      const std::optional<Gap>& last_gap) {
+  database_->End(state, end_wall_ns, last_gap);
+}
+void SessionFile::Settle(const std::filesystem::path& file) {
+  try {
+    SQLite::Database database(file.string(), SQLite::OPEN_READWRITE);
+    LeaveLog(database);
+  } catch (const SQLite::Exception& error) {
+    throw StorageError(file.string() + " cannot be written: " + error.what(),
+                       error.getErrorCode() == SQLITE_FULL);
+  }
 }
 
 }  // namespace mwidth::record

@@ -74,9 +74,14 @@ class SessionFile {
   /// server a thread of its own, so that a disk that is slow holds up no commit. Throws StorageError.
   void Sync();
 
-  /// Commits all to the disk, `state` and `end_wall_ns` with it, and leaves a single file, unless somebody
-  /// reads it just now. Throws StorageError; may be tried again. Afterwards only destroy it.
-  void End(SessionState state, std::optional<int64_t> end_wall_ns);
+  /// Commits all to the disk, `state`, `end_wall_ns` and what was lost behind the last sample with it. The
+  /// file is whole by itself then, but where somebody reads an older state of it for seconds; it is a single
+  /// one, but where somebody has it open; Settle makes up for both. Afterwards only destroy it. Throws
+  /// StorageError, and then the session goes on, or is ended again.
+  void End(SessionState state, std::optional<int64_t> end_wall_ns, const std::optional<Gap>& last_gap = {});
+  /// Makes a closed session that has a log beside it a single file, if nobody has it open now. Throws
+  /// StorageError where it cannot be written.
+  static void Settle(const std::filesystem::path& file);
 
  private:
   class Database;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <condition_variable>
 #include <stop_token>
+#include <system_error>
 #include <utility>
 
 namespace mwidth::record {
@@ -63,16 +64,21 @@ SessionInfo SessionRecorder::Start(const SessionLabels& labels, const SessionAxi
   info.start_monotonic_ns = clocks_.monotonic_ns();
   NewSession session = store_.Create(std::move(info));
   info = session.info;
-  std::shared_ptr<SessionWriter> writer;
-  {
+  const std::filesystem::path path = session.path;
+  try {
     const std::lock_guard lock(mutex_);
     // What ran while the file was made came too early, and was not lost.
     const uint64_t first_kept = std::max(first_tick, seen_ ? seen_->tick + 1 : 0);
-    writer = std::make_shared<SessionWriter>(std::move(session), first_kept, seen_, limits_.queue_samples,
-                                             report_, clocks_);
+    const auto writer = std::make_shared<SessionWriter>(std::move(session), first_kept, seen_,
+                                                        limits_.queue_samples, report_, clocks_);
+    StartThreads(writer);
     writer_ = writer;
+  } catch (const std::exception& error) {  // std::system_error or std::bad_alloc
+    StopThreads();
+    SessionStore::Discard(path);
+    throw SessionRefused(SessionRefusal::kStorageFailed,
+                         std::string("the session's threads cannot be made: ") + error.what());
   }
-  StartThreads(writer);
   return info;
 }
 
@@ -90,18 +96,45 @@ SessionInfo SessionRecorder::End(const std::string& id) {
   return Finish();
 }
 
-SessionInfo SessionRecorder::Finish() {
-  std::shared_ptr<SessionWriter> writer;
-  {
-    const std::lock_guard lock(mutex_);
-    writer = std::exchange(writer_, nullptr);
-  }
+void SessionRecorder::StopThreads() {
   // Both before either is waited for.
   committing_.request_stop();
   syncing_.request_stop();
   committing_ = {};
   syncing_ = {};
-  return writer->End();
+}
+
+SessionInfo SessionRecorder::Finish() {
+  const auto writer = Writer();
+  const auto leave = [this] {
+    const std::lock_guard lock(mutex_);
+    writer_ = nullptr;
+  };
+  StopThreads();
+  try {
+    // Meanwhile it takes what comes: where it cannot end, nothing is lost of that.
+    const SessionInfo ended = writer->End();
+    leave();
+    return ended;
+  } catch (const SessionRefused&) {
+    if (writer->given_up() || !Resume(writer)) {
+      leave();
+    }
+    throw;
+  } catch (...) {  // no memory: what the writer has is no longer sure
+    leave();
+    throw;
+  }
+}
+
+bool SessionRecorder::Resume(const std::shared_ptr<SessionWriter>& writer) {
+  try {
+    StartThreads(writer);
+    return true;
+  } catch (const std::system_error&) {
+    StopThreads();
+    return false;
+  }
 }
 
 std::optional<SessionInfo> SessionRecorder::Active() const {

@@ -35,16 +35,18 @@ class SessionRecorder final : public SampleSink {
   /// `store` outlives it. `report` may call AddEvent.
   SessionRecorder(SessionStore& store, const SessionLimits& limits, SessionReport report,
                   SessionClocks clocks);
-  /// Ends the session, if there is one.
+  /// Ends the session, if there is one; where its disk fails, the file is recovered at the next start.
   ~SessionRecorder() override;
 
   /// Begins a session with tick `first_tick`, or the first that comes once there is a file; run 0 is the next
-  /// that is free. Throws SessionRefused: kSessionOpen, kSessionExists, kStorageFull, kStorageFailed.
+  /// that is free. Throws SessionRefused: kSessionOpen, kSessionExists, kStorageFull, kStorageFailed; then
+  /// nothing is left of it.
   SessionInfo Start(const SessionLabels& labels, const SessionAxis& axis, const SessionProvenance& provenance,
                     uint64_t first_tick);
   /// Ends the session `id` with all that was consumed, and returns when it is on the disk. Throws
-  /// SessionRefused: kNoSession where that is not being recorded; kStorageFailed where the file could not be
-  /// closed, and then it is no longer recorded either.
+  /// SessionRefused: kNoSession where that is not being recorded; kStorageFull and kStorageFailed where the
+  /// disk did not take it, and then it is still being recorded with all that it had, unless it had been given
+  /// up after an error inside the server.
   SessionInfo End(const std::string& id);
   /// The session that is being recorded, as it stands.
   std::optional<SessionInfo> Active() const;
@@ -59,6 +61,8 @@ class SessionRecorder final : public SampleSink {
  private:
   std::shared_ptr<SessionWriter> Writer() const;
   void StartThreads(const std::shared_ptr<SessionWriter>& writer);
+  void StopThreads();
+  bool Resume(const std::shared_ptr<SessionWriter>& writer);
   SessionInfo Finish();
 
   SessionStore& store_;

@@ -146,6 +146,8 @@ void WriteInfo(const SessionInfo& info, SQLite::Database& database) {
   rows.Put("start_monotonic_ns", info.start_monotonic_ns);
   if (info.end_wall_ns) {
     rows.Put("end_wall_ns", *info.end_wall_ns);
+  } else {
+    database.exec("DELETE FROM info WHERE key = 'end_wall_ns'");
   }
 }
 

@@ -19,6 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kExtension = ".sqlite";
+constexpr uint64_t kBytesPerMb = 1'000'000;
 
 // The part of a session's id before the number of its run.
 std::string TaskPrefix(const SessionLabels& labels) {
@@ -49,15 +50,14 @@ std::vector<fs::path> FilesIn(const fs::path& folder) {
   return files;
 }
 
+// 0 where there is no such file.
 uint64_t BytesOf(const fs::path& file) {
-  uint64_t bytes = 0;
-  for (const char* suffix : {"", "-wal"}) {
-    std::error_code none;
-    const auto size = fs::file_size(file.string() + suffix, none);
-    bytes += none ? 0 : size;
-  }
-  return bytes;
+  std::error_code none;
+  const auto size = fs::file_size(file, none);
+  return none ? 0 : size;
 }
+
+uint64_t LogBytes(const fs::path& file) { return BytesOf(file.string() + "-wal"); }
 
 }  // namespace
 
@@ -77,7 +77,7 @@ SessionStore::SessionStore(fs::path folder, uint64_t min_free_bytes)
 StoredSession SessionStore::Examine(const fs::path& file) {
   StoredSession session{.id = file.stem().string(),
                         .file = file,
-                        .file_bytes = BytesOf(file),
+                        .file_bytes = BytesOf(file) + LogBytes(file),
                         .info = {},
                         .problem = "",
                         .recording = SessionLock::Held(file)};
@@ -137,10 +137,11 @@ void SessionStore::RequireSpace() const {
   }
   const uint64_t free = uint64_t{status.f_bavail} * status.f_frsize;
   if (free < min_free_bytes_) {
-    throw SessionRefused(SessionRefusal::kStorageFull,
-                         "only " + std::to_string(free >> 20U) + " MiB are free in " + folder_.string() +
-                             ", and a session begins only where there are " +
-                             std::to_string(min_free_bytes_ >> 20U) + " MiB: make room, then start again");
+    throw SessionRefused(SessionRefusal::kStorageFull, "only " + std::to_string(free / kBytesPerMb) +
+                                                           " MB are free in " + folder_.string() +
+                                                           ", and a session begins only where there are " +
+                                                           std::to_string(min_free_bytes_ / kBytesPerMb) +
+                                                           " MB: make room, then start again");
   }
 }
 
@@ -166,7 +167,7 @@ NewSession SessionStore::Create(SessionInfo info) {
                            "the session " + path.string() + " cannot be locked: " + std::strerror(errno));
     }
     SessionFile file(path, info);
-    return {.info = info, .path = path, .file = std::move(file), .lock = std::move(*held)};
+    return {.info = info, .path = path, .lock = std::move(*held), .file = std::move(file)};
   } catch (const StorageError& error) {
     throw SessionRefused(error.disk_full() ? SessionRefusal::kStorageFull : SessionRefusal::kStorageFailed,
                          std::string(error.what()) +
@@ -179,8 +180,17 @@ NewSession SessionStore::Create(SessionInfo info) {
   }
 }
 
+void SessionStore::Discard(const fs::path& file) {
+  for (const char* suffix : {"", "-wal", "-shm"}) {
+    std::error_code ignored;
+    fs::remove(file.string() + suffix, ignored);
+  }
+}
+
 bool SessionStore::Recover(const fs::path& file) {
-  if (SessionReader(file).info().state != SessionState::kOpen) {
+  const auto is_open = [&file] { return SessionReader(file).info().state == SessionState::kOpen; };
+  const bool has_log = LogBytes(file) > 0;  // before a reader makes one that is empty
+  if (!is_open() && !has_log) {
     return false;
   }
   const auto lock = SessionLock::Take(file);
@@ -191,7 +201,10 @@ bool SessionStore::Recover(const fs::path& file) {
     throw StorageError(file.string() + " cannot be locked: " + std::strerror(errno), errno == ENOSPC);
   }
   // Once more: it may have been ended, or recovered, between the two.
-  if (SessionReader(file).info().state != SessionState::kOpen) {
+  if (!is_open()) {
+    if (has_log) {
+      SessionFile::Settle(file);
+    }
     return false;
   }
   RecoverSession(file);

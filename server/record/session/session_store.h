@@ -56,8 +56,9 @@ struct StoredSession {
 struct NewSession {
   SessionInfo info;
   std::filesystem::path path;
-  SessionFile file;
+  // Given back after the file is closed.
   SessionLock lock;
+  SessionFile file;
 };
 
 /// Any thread.
@@ -81,9 +82,13 @@ class SessionStore {
   /// the highest of this subject, visit and task. Throws SessionRefused.
   NewSession Create(SessionInfo info);
 
+  /// Removes a session that was created in vain, once its NewSession is gone.
+  static void Discard(const std::filesystem::path& file);
+
   /// Closes a session whose server died: what the tail has becomes a block, what is lost is noted as a gap,
-  /// the state is kRecovered and the end that of the last sample. False where it was closed already, or a
-  /// server that lives writes it. Throws SessionFileError where it is no session, StorageError where it
+  /// the state is kRecovered and the end that of the last sample. False where it was closed already (then
+  /// what its readers left in a log comes into the file), or a server that lives writes it. Throws
+  /// SessionFileError where it is no session, StorageError where it
   /// cannot be written.
   static bool Recover(const std::filesystem::path& file);
   /// Recovers all that need it: when a server starts. Those that were, and, with what is wrong in `problem`,

@@ -49,7 +49,10 @@ void SessionWriter::AddEvent(const Event& event) {
 
 Marker SessionWriter::AddMarker(Marker marker) {
   const std::lock_guard lock(mutex_);
-  if (markers_.size() >= kQueueEntries) {
+  if (ending_) {
+    throw SessionRefused(SessionRefusal::kNoSession, "the session is just being ended");
+  }
+  if (given_up_ || markers_.size() >= kQueueEntries) {
     throw SessionRefused(SessionRefusal::kStorageFailed,
                          "the session's disk takes no more markers: make it work again, or end the session");
   }
@@ -67,17 +70,43 @@ SessionInfo SessionWriter::info() const {
   return info;
 }
 
-void SessionWriter::Step() {
-  if (commit_failing_ && clocks_.monotonic_ns() < retry_ns_) {
+template <typename Action>
+void SessionWriter::GiveUpWhere(const Action& action) noexcept {
+  if (given_up_) {
     return;
   }
-  CheckWallClock();
-  // While the disk fails, what waits stays in the queue, which is bounded.
-  if (commit_failing_ && !TryCommit()) {
-    return;
+  std::string why = "unknown";
+  try {
+    try {
+      action();
+      return;
+    } catch (const std::exception& error) {
+      given_up_ = true;
+      why = error.what();
+    }
+    report_(EventKind::kStorageFailed,
+            "session " + session_.info.id + " is written no more, after an error inside the server (" + why +
+                "). The loop runs on; end the session, and its file is recovered when the server starts next",
+            {{"session_id", session_.info.id}, {"disk_full", "false"}});
+  } catch (...) {  // of the report, or no std::exception: the loop, which holds a person, must run on
+    given_up_ = true;
   }
-  TakeQueue();
-  TryCommit();
+}
+
+void SessionWriter::Step() noexcept {
+  GiveUpWhere([this] {
+    if (commit_failing_ && clocks_.monotonic_ns() < retry_ns_) {
+      return;
+    }
+    CheckWallClock();
+    // While the disk fails, what waits stays in the queue, which is bounded.
+    if (commit_failing_ && !TryCommit()) {
+      return;
+    }
+    TakeQueue();
+    TryCommit();
+    TellDroppedEvents();
+  });
 }
 
 void SessionWriter::TakeQueue() {
@@ -175,17 +204,32 @@ bool SessionWriter::TryCommit() {
     return false;
   }
   commit_failing_ = false;
-  std::optional<std::string> sync_failure;
+  std::optional<StorageError> sync_failure;
   {
     const std::lock_guard lock(mutex_);
     sync_failure = sync_failure_;
   }
   if (sync_failure) {
-    TellFailure(*sync_failure, false);
+    TellFailure(sync_failure->what(), sync_failure->disk_full());
   } else {
     TellRestored();
   }
   return true;
+}
+
+// Those of a failing disk are told when it is back.
+void SessionWriter::TellDroppedEvents() {
+  uint64_t dropped = 0;
+  if (!failure_told_) {
+    const std::lock_guard lock(mutex_);
+    dropped = std::exchange(dropped_events_, 0);
+  }
+  if (dropped > 0) {
+    report_(EventKind::kSamplesDropped,
+            "session " + session_.info.id + " lost " + std::to_string(dropped) +
+                " events: more came at once than wait for the disk",
+            {{"session_id", session_.info.id}, {"lost_events", std::to_string(dropped)}});
+  }
 }
 
 void SessionWriter::TellFailure(const std::string& what, bool disk_full) {
@@ -197,12 +241,13 @@ void SessionWriter::TellFailure(const std::string& what, bool disk_full) {
     }
     dropped_before_failure_ = dropped_samples_;
   }
-  report_(
-      EventKind::kStorageFailed,
-      "session " + session_.info.id + (disk_full ? " has filled the disk: make room" : " cannot be written") +
-          ". The loop runs on; samples wait as long as there is memory for them, and are lost after that. (" +
-          what + ")",
-      {{"session_id", session_.info.id}, {"disk_full", disk_full ? "true" : "false"}});
+  report_(EventKind::kStorageFailed,
+          "session " + session_.info.id +
+              (disk_full ? " has filled the disk: make room" : " cannot be written") +
+              ". The loop runs on, and the session can be ended when the disk works again; samples wait as "
+              "long as there is memory for them, and are lost after that. (" +
+              what + ")",
+          {{"session_id", session_.info.id}, {"disk_full", disk_full ? "true" : "false"}});
 }
 
 void SessionWriter::TellRestored() {
@@ -225,38 +270,69 @@ void SessionWriter::TellRestored() {
            {"lost_events", std::to_string(lost_events)}});
 }
 
-void SessionWriter::Sync() {
-  std::optional<std::string> failure;
-  try {
-    session_.file.Sync();
-  } catch (const StorageError& error) {
-    failure = error.what();
-  }
-  const std::lock_guard lock(mutex_);
-  sync_failure_ = failure;
+void SessionWriter::Sync() noexcept {
+  GiveUpWhere([this] {
+    std::optional<StorageError> failure;
+    try {
+      session_.file.Sync();
+    } catch (const StorageError& error) {
+      failure = error;
+    }
+    const std::lock_guard lock(mutex_);
+    sync_failure_ = failure;
+  });
 }
 
-void SessionWriter::NoteEnd() {
+std::optional<Gap> SessionWriter::LastGap() const {
   const std::lock_guard lock(mutex_);
-  if (dropping_ > 0) {
-    session_.file.Add(Gap{.after_tick = last_sample_tick_,
-                          .before_tick = 0,
-                          .missed_ticks = 0,
-                          .lost_ticks = dropping_,
-                          .reason = drop_reason_ + ", and the session ended"});
+  if (dropping_ == 0) {
+    return std::nullopt;
   }
+  return Gap{.after_tick = last_sample_tick_,
+             .before_tick = 0,
+             .missed_ticks = 0,
+             .lost_ticks = dropping_,
+             .reason = drop_reason_ + ", and the session ended"};
+}
+
+void SessionWriter::SetEnding(bool ending) {
+  const std::lock_guard lock(mutex_);
+  ending_ = ending;
 }
 
 SessionInfo SessionWriter::End() {
-  TakeQueue();
-  NoteEnd();
-  try {
-    session_.file.End(SessionState::kEnded, clocks_.wall_ns());
-    return SessionReader(session_.path).info();
-  } catch (const std::runtime_error& error) {  // StorageError or SessionFileError
+  if (given_up_) {
     throw SessionRefused(SessionRefusal::kStorageFailed,
-                         std::string(error.what()) + ". Session " + session_.info.id +
-                             " stays open in its file and is recovered when the server starts next");
+                         "session " + session_.info.id +
+                             " was given up after an error inside the server. It is no longer recorded; its "
+                             "file is recovered when the server starts next");
+  }
+  try {
+    // As in Step: while the disk fails, what waits stays in the queue, which is bounded.
+    session_.file.Commit(Durability::kProcess);
+    SetEnding(true);
+    TakeQueue();
+    TellDroppedEvents();
+    TakeQueue();
+    session_.file.End(SessionState::kEnded, clocks_.wall_ns(), LastGap());
+  } catch (const StorageError& error) {
+    SetEnding(false);
+    commit_failing_ = true;
+    retry_ns_ = clocks_.monotonic_ns() + kRetryNs;
+    TellFailure(error.what(), error.disk_full());
+    throw SessionRefused(
+        error.disk_full() ? SessionRefusal::kStorageFull : SessionRefusal::kStorageFailed,
+        std::string(error.what()) + ". Session " + session_.info.id +
+            " goes on: " + (error.disk_full() ? "make room" : "see to the disk") +
+            ", and end it again (where the server stops before, its file is recovered at the next start)");
+  }
+  try {
+    return SessionReader(session_.path).info();
+  } catch (const SessionFileError&) {  // it is closed all the same
+    SessionInfo ended = info();
+    ended.state = SessionState::kEnded;
+    ended.end_wall_ns = clocks_.wall_ns();
+    return ended;
   }
 }
 

@@ -1,6 +1,7 @@
 // One session while it is recorded: what waits for the disk, and what becomes of it when the disk fails.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -30,7 +31,8 @@ using SessionReport =
     std::function<void(EventKind kind, std::string message, std::map<std::string, std::string> metadata)>;
 
 /// Without threads of its own: one offers samples (the drain's), one calls Step, and one may call Sync; the
-/// rest is for any.
+/// rest is for any. Where Step or Sync meet anything but a disk that fails (no memory) they give the session
+/// up: they tell it, write no more, and leave the file to be recovered.
 class SessionWriter {
  public:
   /// After a failure Step leaves the disk alone for this long.
@@ -49,17 +51,20 @@ class SessionWriter {
   void Offer(std::shared_ptr<const SampleBlock> block);
   /// Dropped, and counted, where too many wait.
   void AddEvent(const Event& event);
-  /// Numbers it. Throws SessionRefused (kStorageFailed) where too many wait.
+  /// Numbers it. Throws SessionRefused: kStorageFailed where too many wait, kNoSession while End runs.
   Marker AddMarker(Marker marker);
 
   /// Commits what waits, so that the death of this process loses none of it; tells of the disk's failure and
-  /// of its return; notes steps of the wall clock.
-  void Step();
+  /// of its return; of events that were dropped; notes steps of the wall clock.
+  void Step() noexcept;
   /// Brings what was committed to the disk.
-  void Sync();
-  /// Ends the session with all that waits. No other call may run or follow. Throws SessionRefused
-  /// (kStorageFailed): the session stays open in its file, to be recovered.
+  void Sync() noexcept;
+  /// Ends the session with all that waited when it was called; Step and Sync may not run meanwhile, and
+  /// nothing but destruction may follow. Throws SessionRefused (kStorageFailed): then the session goes on,
+  /// and may be ended again, unless it was given up.
   SessionInfo End();
+  /// It will never be ended: its file is left to be recovered.
+  bool given_up() const { return given_up_; }
 
   /// As it stands now.
   SessionInfo info() const;
@@ -72,14 +77,18 @@ class SessionWriter {
     std::string drop_reason;
   };
 
+  template <typename Action>
+  void GiveUpWhere(const Action& action) noexcept;
+  void SetEnding(bool ending);
   void TakeQueue();
   void Append(const Waiting& waiting);
   void NoteStart(const exchange::Sample& first);
   void CheckWallClock();
   bool TryCommit();
+  void TellDroppedEvents();
   void TellFailure(const std::string& what, bool disk_full);
   void TellRestored();
-  void NoteEnd();
+  std::optional<Gap> LastGap() const;
 
   NewSession session_;
   const uint64_t first_tick_;
@@ -106,7 +115,9 @@ class SessionWriter {
   uint64_t first_sample_tick_ = 0;
   uint64_t last_sample_tick_ = 0;
   // What Sync met, for Step to tell.
-  std::optional<std::string> sync_failure_;
+  std::optional<StorageError> sync_failure_;
+  bool ending_ = false;
+  std::atomic<bool> given_up_ = false;
 
   // The writing thread's alone.
   int64_t wall_offset_ns_ = 0;

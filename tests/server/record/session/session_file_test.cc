@@ -191,6 +191,23 @@ TEST_F(SessionFileTest, SeeksTheBlockThatHasATick) {
   }
 }
 
+TEST_F(SessionFileTest, IsWholeByItselfWhereItEndsUnderAReader) {
+  Record(6000);
+  const auto copy = folder_ / "copy.sqlite";
+  {
+    SessionReader reader(file_);
+    std::vector<Sample> block;
+    ASSERT_TRUE(reader.Next(block));
+    session_.End(SessionState::kEnded, 0);
+    std::filesystem::copy_file(file_, copy);  // what beside it is its log is left behind
+    EXPECT_EQ(block.size() + ReadAll(reader).size(), 6000) << "its reader goes on";
+  }
+  SessionReader reader(copy);
+  EXPECT_EQ(reader.info().state, SessionState::kEnded);
+  EXPECT_TRUE(SameSamples(ReadAll(reader), all_));
+  EXPECT_THAT(reader.Verify(), IsEmpty());
+}
+
 TEST_F(SessionFileTest, IsReadableToItsGroupAndNotToTheWorld) {
   struct stat status {};
   ASSERT_EQ(stat(file_.c_str(), &status), 0);

@@ -5,11 +5,13 @@
 
 #include <atomic>
 #include <chrono>
+#include <new>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "server/record/session/session_reader.h"
+#include "tests/server/record/session/failing_disk.h"
 #include "tests/server/record/session/recording.h"
 
 namespace mwidth::record {
@@ -53,11 +55,21 @@ class SessionRecorderTest : public testing::Test {
   SwingingArm arm_;
   SessionStore store_{folder_.path(), 0};
   std::atomic<int> reports_ = 0;
+  // The clock has no memory, as seen by the session's own threads.
+  std::atomic<bool> throws_ = false;
+  const std::thread::id caller_ = std::this_thread::get_id();
   SessionRecorder recorder_{
       store_,
       {.queue_samples = 20000},
       [this](EventKind, const std::string&, const std::map<std::string, std::string>&) { ++reports_; },
-      {.wall_ns = [] { return Now() + 1'700'000'000'000'000'000; }, .monotonic_ns = Now}};
+      {.wall_ns = [] { return Now() + 1'700'000'000'000'000'000; },
+       .monotonic_ns =
+           [this] {
+             if (throws_ && std::this_thread::get_id() != caller_) {
+               throw std::bad_alloc();
+             }
+             return Now();
+           }}};
 };
 
 TEST_F(SessionRecorderTest, RecordsFromStartToEnd) {
@@ -123,6 +135,47 @@ TEST_F(SessionRecorderTest, CommitsByItself) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   EXPECT_THAT(block, SizeIs(100));
+}
+
+TEST_F(SessionRecorderTest, IsStillRecordedAndLosesNothingWhereItCannotBeEnded) {
+  const SessionInfo info = Start();
+  std::vector<Sample> samples = Feed(500);
+  const auto feed = [&] {
+    const std::vector<Sample> some = Feed(500);
+    samples.insert(samples.end(), some.begin(), some.end());
+  };
+  {
+    const NoFileGrows failing;
+    EXPECT_EQ(RefusalOf([&] { recorder_.End(info.id); }), SessionRefusal::kStorageFailed);
+    ASSERT_TRUE(recorder_.Active());
+    EXPECT_EQ(recorder_.Active()->id, info.id);
+    feed();
+    EXPECT_EQ(RefusalOf([&] { recorder_.End(info.id); }), SessionRefusal::kStorageFailed);
+    EXPECT_EQ(RefusalOf([this] { Start(); }), SessionRefusal::kSessionOpen);
+  }
+  feed();
+  EXPECT_EQ(recorder_.AddMarker({}).number, 1);
+  const SessionInfo ended = recorder_.End(info.id);
+  EXPECT_EQ(ended.state, SessionState::kEnded);
+  EXPECT_EQ(ended.sample_count, samples.size());
+  EXPECT_FALSE(recorder_.Active());
+  EXPECT_THAT(SessionReader(*store_.PathOf(info.id)).Verify(), IsEmpty());
+}
+
+TEST_F(SessionRecorderTest, GivesASessionUpWhereItsThreadHasNoMemoryAndRunsOn) {
+  const SessionInfo info = Start();
+  Feed(100);
+  throws_ = true;
+  while (reports_ == 0) {  // The test's own time limit ends this where nothing is told.
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  throws_ = false;
+  Feed(100);
+  EXPECT_EQ(RefusalOf([this] { recorder_.AddMarker({}); }), SessionRefusal::kStorageFailed);
+  EXPECT_EQ(RefusalOf([&] { recorder_.End(info.id); }), SessionRefusal::kStorageFailed);
+  EXPECT_FALSE(recorder_.Active());
+  EXPECT_EQ(Start().labels.run, info.labels.run + 1);
+  EXPECT_TRUE(SessionStore::Recover(*store_.PathOf(info.id)));
 }
 
 TEST_F(SessionRecorderTest, TakesCallsFromManyThreads) {

@@ -8,12 +8,15 @@
 #include <string>
 #include <vector>
 
+#include <SQLiteCpp/Database.h>
+
 #include "server/record/session/session_reader.h"
 #include "tests/server/record/session/recording.h"
 
 namespace mwidth::record {
 namespace {
 
+namespace fs = std::filesystem;
 using exchange::Sample;
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -166,6 +169,26 @@ TEST_F(SessionStoreTest, RecoversASessionWhoseServerDied) {
     left.push_back(entry.path().filename());
   }
   EXPECT_THAT(left, ElementsAre(path.filename())) << "nothing else is left in the folder";
+}
+
+TEST_F(SessionStoreTest, BringsIntoAClosedFileWhatItsReadersLeftInALog) {
+  fs::path path;
+  SQLite::Database reader(":memory:");
+  {
+    NewSession session = store_.Create(info_);
+    path = session.path;
+    reader = SQLite::Database(path.string());
+    reader.exec("BEGIN");
+    reader.execAndGet("SELECT count(*) FROM blocks");  // an old state of it
+    session.file.Append(arm_.Take(5000), "lost");
+    session.file.End(SessionState::kEnded, info_.start_wall_ns);
+  }
+  EXPECT_GT(fs::file_size(path.string() + "-wal"), 0);
+  reader = SQLite::Database(":memory:");
+  EXPECT_THAT(store_.RecoverAll(), IsEmpty()) << "it was closed";
+  EXPECT_FALSE(fs::exists(path.string() + "-wal"));
+  EXPECT_EQ(SessionReader(path).info().sample_count, 5000);
+  EXPECT_THAT(SessionReader(path).Verify(), IsEmpty());
 }
 
 TEST_F(SessionStoreTest, RecoversASessionWithoutASample) {

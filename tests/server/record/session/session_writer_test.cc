@@ -3,13 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <csignal>
 #include <string>
 #include <vector>
 
-#include <sys/resource.h>
-
 #include "server/record/session/session_reader.h"
+#include "tests/server/record/session/failing_disk.h"
 #include "tests/server/record/session/recording.h"
 
 namespace mwidth::record {
@@ -24,23 +22,6 @@ using testing::SizeIs;
 std::shared_ptr<const SampleBlock> Share(std::vector<Sample> samples) {
   return std::make_shared<const SampleBlock>(std::move(samples));
 }
-
-// Nothing can be written to any file of this process while it lives, as on a disk that fails.
-class NoFileGrows {
- public:
-  NoFileGrows() {
-    std::signal(SIGXFSZ, SIG_IGN);
-    getrlimit(RLIMIT_FSIZE, &old_);
-    const rlimit none{.rlim_cur = 0, .rlim_max = old_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &none);
-  }
-  NoFileGrows(const NoFileGrows&) = delete;
-  NoFileGrows& operator=(const NoFileGrows&) = delete;
-  ~NoFileGrows() { setrlimit(RLIMIT_FSIZE, &old_); }
-
- private:
-  rlimit old_{};
-};
 
 class SessionWriterTest : public testing::Test {
  protected:
@@ -193,23 +174,78 @@ TEST_F(SessionWriterTest, TellsOnceThatTheDiskFailsAndOnceThatItIsBack) {
   EXPECT_TRUE(SameSamples(Stored(), kept));
 }
 
-TEST_F(SessionWriterTest, LeavesASessionThatCannotBeEndedToRecovery) {
+TEST_F(SessionWriterTest, GoesOnWithEverySampleWhereItCannotBeEndedAndEndsLater) {
+  SessionWriter writer = Begin(1, 300);
+  std::vector<Sample> all = arm_.Take(100);
+  writer.Offer(Share(all));
+  writer.Step();
+  const auto offer = [&] {
+    const std::vector<Sample> some = arm_.Take(100);
+    all.insert(all.end(), some.begin(), some.end());
+    writer.Offer(Share(some));
+  };
+  offer();
+  const int64_t dropped = 100;
+  {
+    const NoFileGrows failing;
+    for (int i = 0; i < 3; ++i) {
+      try {
+        writer.End();
+        ADD_FAILURE() << "was not refused";
+      } catch (const SessionRefused& refused) {
+        EXPECT_EQ(refused.reason(), SessionRefusal::kStorageFailed);
+        EXPECT_THAT(refused.what(), HasSubstr("end it again"));
+      }
+      EXPECT_EQ(SessionReader(path_).info().state, SessionState::kOpen);
+      offer();
+    }
+    writer.Offer(Share(arm_.Take(static_cast<int>(dropped))));
+    EXPECT_THROW(writer.End(), SessionRefused) << "with samples dropped behind its last";
+    EXPECT_THAT(reported_, ElementsAre(EventKind::kStorageFailed)) << "told once";
+  }
+  Pass(SessionWriter::kRetryNs);
+  writer.Step();
+  EXPECT_EQ(writer.AddMarker({}).number, 1);
+  const std::vector<Sample> after = arm_.Take(100);
+  all.insert(all.end(), after.begin(), after.end());
+  writer.Offer(Share(after));
+  writer.Step();
+  EXPECT_EQ(SessionReader(path_).info().state, SessionState::kOpen);
+  EXPECT_EQ(writer.End().state, SessionState::kEnded);
+  EXPECT_TRUE(SameSamples(Stored(), all));
+  ASSERT_THAT(LostGaps(), SizeIs(1));
+  EXPECT_EQ(LostGaps()[0].lost_ticks, dropped);
+  EXPECT_EQ(LostGaps()[0].before_tick, after.front().tick);
+}
+
+TEST_F(SessionWriterTest, LeavesASessionThatNeverCouldBeEndedToRecovery) {
   {
     SessionWriter writer = Begin();
     writer.Offer(Share(arm_.Take(100)));
     writer.Step();
     writer.Offer(Share(arm_.Take(100)));
     const NoFileGrows failing;
-    try {
-      writer.End();
-      FAIL() << "was not refused";
-    } catch (const SessionRefused& refused) {
-      EXPECT_EQ(refused.reason(), SessionRefusal::kStorageFailed);
-    }
+    EXPECT_THROW(writer.End(), SessionRefused);
   }
   EXPECT_EQ(SessionReader(path_).info().state, SessionState::kOpen);
   EXPECT_TRUE(SessionStore::Recover(path_));
   EXPECT_EQ(SessionReader(path_).info().sample_count, 100);
+}
+
+TEST_F(SessionWriterTest, TellsEventsThatWereDroppedAlsoWithoutAFailure) {
+  SessionWriter writer = Begin();
+  for (std::size_t i = 0; i < SessionWriter::kQueueEntries + 3; ++i) {
+    writer.AddEvent({.message = "", .metadata = {}});
+  }
+  writer.Step();
+  ASSERT_THAT(reported_, ElementsAre(EventKind::kSamplesDropped));
+  EXPECT_THAT(messages_[0], HasSubstr("lost 3 events"));
+  for (std::size_t i = 0; i < SessionWriter::kQueueEntries + 1; ++i) {
+    writer.AddEvent({.message = "", .metadata = {}});
+  }
+  writer.End();
+  ASSERT_THAT(messages_, SizeIs(2));
+  EXPECT_THAT(messages_[1], HasSubstr("lost 1 events"));
 }
 
 TEST_F(SessionWriterTest, NumbersMarkersAndRefusesThemWhereTooManyWait) {
