@@ -154,8 +154,14 @@ rpc::Axis Axis::Served() {
 record::StateNote Axis::DescribeChange(exchange::State from, exchange::State to) {
   record::StateNote note{.message = "From " + gate::StateName(from) + " to " + gate::StateName(to) + ".",
                          .metadata = {{"from", gate::StateName(from)}, {"to", gate::StateName(to)}}};
+  if (gate_ == nullptr) {
+    return note;  // it could not be made, and what the loop left is drained
+  }
   if (to == exchange::State::kFault) {
     const exchange::FaultRecord fault = gate_->Status().fault;
+    if (fault.fault == exchange::Fault::kNone) {
+      return note;  // cleared since
+    }
     note.message = gate::FaultMessage(fault);
     note.metadata["fault"] = std::to_string(static_cast<int>(fault.fault));
     note.metadata["value"] = gate::Figure(fault.value);

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -134,13 +135,16 @@ std::string Joined(int argc, char** argv) {
   return joined;
 }
 
-// Sessions of a server that died are closed, and told.
-void RecoverSessions(record::SessionStore& store) {
+// Sessions of a server that died are closed, and told. A folder that cannot be read keeps nobody from
+// rendering.
+void RecoverSessions(record::SessionStore& store) try {
   for (const record::StoredSession& session : store.RecoverAll()) {
     std::cerr << "session " << session.id << ": "
               << (session.problem.empty() ? "recovered; its server died before it ended" : session.problem)
               << '\n';
   }
+} catch (const std::filesystem::filesystem_error& error) {
+  std::cerr << "sessions cannot be recovered: " << error.what() << '\n';
 }
 
 void Serve(const server::Config& config, const std::vector<std::unique_ptr<server::Axis>>& axes,

@@ -3,6 +3,7 @@
 
 #include "client/cli/commands.h"
 #include "client/cli/json.h"
+#include "client/cli/one_line.h"
 #include "client/cpp/client.h"
 
 namespace mwidth::cli {

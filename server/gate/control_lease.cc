@@ -37,6 +37,14 @@ std::optional<Refusal> CheckRequest(const std::string& holder, double ttl_s) {
         .message = "client_name has " + std::to_string(holder.size()) + " bytes: give at most 100.",
         .metadata = {{"field", "client_name"}, {"allowed", "at most 100 bytes"}}};
   }
+  // It is shown on terminals and in logs.
+  if (std::any_of(holder.begin(), holder.end(),
+                  [](unsigned char byte) { return byte < ' ' || byte == 0x7f; })) {
+    return Refusal{.code = RefusalCode::kInvalidArgument,
+                   .reason = kInvalidText,
+                   .message = "client_name has control characters: give a name on one line.",
+                   .metadata = {{"field", "client_name"}, {"allowed", "no control characters"}}};
+  }
   return std::nullopt;
 }
 

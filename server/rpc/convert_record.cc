@@ -4,12 +4,19 @@
 
 #include <map>
 
+#include "server/record/utf8.h"
+
 namespace mwidth::rpc {
 namespace {
 
+// Of files that anything may have been written into.
+std::string Text(const std::string& text) { return record::WellFormedUtf8(text); }
+
 template <typename Map>
 void Copy(const std::map<std::string, std::string>& from, Map& to) {
-  to.insert(from.begin(), from.end());
+  for (const auto& [key, value] : from) {
+    to[Text(key)] = Text(value);
+  }
 }
 
 v1::SessionState Convert(record::SessionState state, bool recording) {
@@ -38,14 +45,14 @@ void Convert(const std::string& axis, const record::Event& event, v1::Event& mes
   message.set_kind(static_cast<v1::EventKind>(event.kind));
   message.set_tick(event.tick);
   message.set_monotonic_ns(event.monotonic_ns);
-  message.set_message(event.message);
+  message.set_message(Text(event.message));
   Copy(event.metadata, *message.mutable_metadata());
 }
 
 void Convert(const record::Marker& marker, v1::Marker& message) {
   message.set_number(marker.number);
-  message.set_label(marker.label);
-  message.set_kind(marker.kind);
+  message.set_label(Text(marker.label));
+  message.set_kind(Text(marker.kind));
   Copy(marker.metadata, *message.mutable_metadata());
   message.set_monotonic_ns(marker.monotonic_ns);
   message.set_error_ns(marker.error_ns);
@@ -54,14 +61,14 @@ void Convert(const record::Marker& marker, v1::Marker& message) {
 }
 
 void Convert(const record::SessionInfo& info, bool recording, v1::Session& message) {
-  message.set_session_id(info.id);
-  message.set_axis(info.axis.name);
+  message.set_session_id(Text(info.id));
+  message.set_axis(Text(info.axis.name));
   v1::SessionLabels& labels = *message.mutable_labels();
-  labels.set_subject(info.labels.subject);
-  labels.set_visit(info.labels.visit);
-  labels.set_task(info.labels.task);
+  labels.set_subject(Text(info.labels.subject));
+  labels.set_visit(Text(info.labels.visit));
+  labels.set_task(Text(info.labels.task));
   labels.set_run(static_cast<uint32_t>(info.labels.run));
-  labels.set_operator_(info.labels.operator_name);
+  labels.set_operator_(Text(info.labels.operator_name));
   Copy(info.labels.metadata, *labels.mutable_metadata());
   message.set_state(Convert(info.state, recording));
   *message.mutable_start_time() = WallTime(info.start_wall_ns);
@@ -73,7 +80,7 @@ void Convert(const record::SessionInfo& info, bool recording, v1::Session& messa
   message.set_samples(info.sample_count);
   message.set_first_tick(info.first_tick);
   message.set_last_tick(info.last_tick);
-  message.set_software_version(info.provenance.software_version);
+  message.set_software_version(Text(info.provenance.software_version));
 }
 
 }  // namespace mwidth::rpc

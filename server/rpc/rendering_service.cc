@@ -118,7 +118,8 @@ grpc::Status RenderingService::ReleaseControl(grpc::ServerContext*, const v1::Re
       [&](const Axis& axis) {
         const std::string holder = axis.gate.Controller();
         auto released = axis.gate.ReleaseControl(request->lease_id());
-        if (released.ok()) {
+        // A silent loop does not hold the lease back.
+        if (released.ok() || released.refusal().reason == gate::kLoopSilent) {
           TellRelease(axis, holder);
         }
         return released;

@@ -1,4 +1,4 @@
-// When the records of a session that is played back are due.
+// When the samples of a session that is played back are due.
 #pragma once
 
 #include <algorithm>
@@ -11,35 +11,37 @@
 
 namespace mwidth::rpc {
 
-/// Waits for the time of each record, `speed` times as fast as it was; 0: never.
+/// Samples come `speed` times as fast as they did; 0: at once. What stands between them comes with those
+/// behind it: a marker may be dated by any clock.
 class Pace {
  public:
   Pace(grpc::ServerContext& context, double speed) : context_(context), speed_(speed) {}
 
-  /// False when the client has gone.
+  /// Waits for the time of a sample. False when the client has gone.
   bool Await(int64_t monotonic_ns) {
     if (speed_ > 0) {
-      if (!first_ns_) {
-        first_ns_ = monotonic_ns;
-      }
-      const auto offset_ns = static_cast<int64_t>(static_cast<double>(monotonic_ns - *first_ns_) / speed_);
-      const auto due = start_ + std::chrono::nanoseconds(offset_ns);
-      for (auto now = Now(); now < due && !context_.IsCancelled(); now = Now()) {
-        std::this_thread::sleep_for(std::min<std::chrono::nanoseconds>(due - now, kStep));
+      first_ns_ = first_ns_.value_or(monotonic_ns);
+      // Unsigned, because a file may say any two times.
+      const auto since_ns =
+          static_cast<double>(static_cast<uint64_t>(monotonic_ns) - static_cast<uint64_t>(*first_ns_));
+      const std::chrono::duration<double> due(std::min(since_ns / speed_ / kNsPerS, kLongestS));
+      while (std::chrono::steady_clock::now() - start_ < due && !context_.IsCancelled()) {
+        std::this_thread::sleep_for(std::min<std::chrono::duration<double>>(
+            due - (std::chrono::steady_clock::now() - start_), kStep));
       }
     }
     return !context_.IsCancelled();
   }
 
  private:
+  static constexpr double kNsPerS = 1e9;
+  static constexpr double kLongestS = 1e9;
   // How soon a reader that went away is noticed.
   static constexpr std::chrono::milliseconds kStep{50};
 
-  static std::chrono::steady_clock::time_point Now() { return std::chrono::steady_clock::now(); }
-
   grpc::ServerContext& context_;
   const double speed_;
-  const std::chrono::steady_clock::time_point start_ = Now();
+  const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   std::optional<int64_t> first_ns_;
 };
 

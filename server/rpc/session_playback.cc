@@ -15,11 +15,12 @@ using exchange::Sample;
 
 class Playback {
  public:
-  using Take = std::function<bool(int64_t, const v1::ReadSessionResponse&)>;
+  using Take = std::function<bool(const v1::ReadSessionResponse&)>;
 
   Playback(record::SessionReader& session, const PlaybackRequest& request, const Take& take)
       : session_(session),
         request_(request),
+        last_tick_(LastTick(session.info(), request)),
         take_(take),
         axis_(session.info().axis.name),
         batcher_({.max_batch = request.max_batch}) {
@@ -31,7 +32,7 @@ class Playback {
     std::vector<Sample> samples;
     while (going_ && session_.Next(samples)) {
       const auto end =
-          std::upper_bound(samples.begin(), samples.end(), request_.last_tick,
+          std::upper_bound(samples.begin(), samples.end(), last_tick_,
                            [](uint64_t tick, const Sample& sample) { return tick < sample.tick; });
       Send(std::span(samples.begin(), end));
       if (end != samples.end()) {
@@ -39,7 +40,7 @@ class Playback {
       }
     }
     // Those behind the last sample, where the whole session is asked for.
-    if (request_.last_tick >= session_.info().last_tick) {
+    if (last_tick_ >= session_.info().last_tick) {
       SendNotesUpTo(INT64_MAX);
     }
   }
@@ -49,6 +50,11 @@ class Playback {
     int64_t monotonic_ns = 0;
     v1::ReadSessionResponse message;
   };
+
+  // A session that grows ends, for this call, where it ended when its events and markers were read.
+  static uint64_t LastTick(const record::SessionInfo& info, const PlaybackRequest& request) {
+    return info.last_tick == 0 ? request.last_tick : std::min(request.last_tick, info.last_tick);
+  }
 
   void CollectNotes() {
     for (const record::Event& event : session_.Events()) {
@@ -89,14 +95,14 @@ class Playback {
     if (going_) {
       v1::ReadSessionResponse message;
       Convert(axis_, batch, *message.mutable_batch());
-      going_ = take_(batch.samples.front().monotonic_ns, message);
+      going_ = take_(message);
     }
   }
 
   void SendNotesUpTo(int64_t monotonic_ns) {
     for (; going_ && next_note_ < notes_.size() && notes_[next_note_].monotonic_ns <= monotonic_ns;
          ++next_note_) {
-      going_ = take_(notes_[next_note_].monotonic_ns, notes_[next_note_].message);
+      going_ = take_(notes_[next_note_].message);
     }
   }
 
@@ -108,6 +114,7 @@ class Playback {
 
   record::SessionReader& session_;
   const PlaybackRequest request_;
+  const uint64_t last_tick_;
   const Take& take_;
   const std::string axis_;
   record::Batcher batcher_;
@@ -119,7 +126,7 @@ class Playback {
 }  // namespace
 
 void Play(record::SessionReader& session, const PlaybackRequest& request,
-          const std::function<bool(int64_t, const v1::ReadSessionResponse&)>& take) {
+          const std::function<bool(const v1::ReadSessionResponse&)>& take) {
   Playback(session, request, take).Run();
 }
 

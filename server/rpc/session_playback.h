@@ -19,10 +19,10 @@ struct PlaybackRequest {
   std::size_t max_batch = 0;
 };
 
-/// Hands what the session has, in the order of time, to `take`: the time of the record on the axis's clock,
-/// and the record. An event or a marker comes before the first sample that is later. Ends early where `take`
+/// Hands what the session has, in the order of time, to `take`. An event or a marker comes before the first
+/// sample that is later. Of a session that grows, what it had when it was opened. Ends early where `take`
 /// returns false. Throws record::SessionFileError.
 void Play(record::SessionReader& session, const PlaybackRequest& request,
-          const std::function<bool(int64_t, const v1::ReadSessionResponse&)>& take);
+          const std::function<bool(const v1::ReadSessionResponse&)>& take);
 
 }  // namespace mwidth::rpc

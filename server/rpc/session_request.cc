@@ -17,6 +17,7 @@ constexpr std::size_t kMaxOperator = 100;
 constexpr int kMaxEntries = 100;
 constexpr std::size_t kMaxKey = 100;
 constexpr std::size_t kMaxValue = 4000;
+constexpr std::size_t kMaxMetadata = 32'000;
 constexpr std::size_t kMaxMarkerLabel = 200;
 constexpr std::size_t kMaxMarkerKind = 50;
 // A year: any clock, and no sum that overflows.
@@ -55,6 +56,7 @@ gate::Result<Metadata> ReadMetadata(const google::protobuf::Map<std::string, std
     return InvalidText("metadata", "of at most " + std::to_string(kMaxEntries) + " entries");
   }
   Metadata metadata;
+  std::size_t bytes = 0;
   for (const auto& [key, value] : sent) {
     if (auto refusal = CheckLength("metadata's keys", key, kMaxKey)) {
       return *std::move(refusal);
@@ -63,6 +65,10 @@ gate::Result<Metadata> ReadMetadata(const google::protobuf::Map<std::string, std
       return *std::move(refusal);
     }
     metadata[key] = value;
+    bytes += key.size() + value.size();
+  }
+  if (bytes > kMaxMetadata) {
+    return InvalidText("metadata", "of at most " + std::to_string(kMaxMetadata) + " bytes in all");
   }
   return metadata;
 }

@@ -18,6 +18,7 @@
 #include "server/rpc/convert_record.h"
 #include "server/rpc/describe_state.h"
 #include "server/rpc/on_axis.h"
+#include "server/rpc/session_description.h"
 #include "server/rpc/session_pace.h"
 #include "server/rpc/session_playback.h"
 #include "server/rpc/session_refusals.h"
@@ -30,6 +31,8 @@ using gate::RefusalCode;
 
 constexpr uint32_t kDefaultBatch = 100;
 constexpr uint32_t kMaxBatch = 1000;
+constexpr int kMaxListed = 1000;
+constexpr double kMinSpeed = 0.01;
 constexpr double kMaxSpeed = 1000;
 // How long the end of a session waits for the samples of its last ticks.
 constexpr std::chrono::milliseconds kDrainPatience{500};
@@ -69,12 +72,26 @@ std::string StateAsJson(gate::AxisGate& gate) {
   return json;
 }
 
+// Reads files at a low priority: decoding an hour takes a second that no loop must feel.
+template <typename Handler>
+grpc::Status Unfelt(const char* method, const Handler& handler) {
+  return Guarded(method, [&] {
+    return AtLowPriority([&]() -> grpc::Status {
+      try {
+        return handler();
+      } catch (const record::SessionFileError& error) {
+        return ToStatus(Unreadable(error.what()));
+      }
+    });
+  });
+}
+
 gate::Result<PlaybackRequest> ReadRequest(const v1::ReadSessionRequest& request) {
   if (request.max_batch() > kMaxBatch) {
     return gate::InvalidNumber("max_batch", request.max_batch(), "0 to " + std::to_string(kMaxBatch));
   }
-  if (!(request.speed() >= 0 && request.speed() <= kMaxSpeed)) {
-    return gate::InvalidNumber("speed", request.speed(), "above 0 to 1000, or 0 for as fast as it is read");
+  if (request.speed() != 0 && !(request.speed() >= kMinSpeed && request.speed() <= kMaxSpeed)) {
+    return gate::InvalidNumber("speed", request.speed(), "0.01 to 1000, or 0 for as fast as it is read");
   }
   PlaybackRequest read{.first_tick = request.first_tick(),
                        .max_batch = request.max_batch() == 0 ? kDefaultBatch : request.max_batch()};
@@ -137,6 +154,8 @@ grpc::Status SessionService::StartSession(grpc::ServerContext*, const v1::StartS
 grpc::Status SessionService::EndSession(grpc::ServerContext*, const v1::EndSessionRequest* request,
                                         v1::EndSessionResponse* response) {
   return Guarded("EndSession", [&] {
+    // Of several that end the same session, one does.
+    const std::lock_guard ending(ending_);
     for (const Axis& axis : axes_.axes()) {
       const auto active = axis.recorder == nullptr ? std::nullopt : axis.recorder->Active();
       if (!active || active->id != request->session_id()) {
@@ -146,8 +165,10 @@ grpc::Status SessionService::EndSession(grpc::ServerContext*, const v1::EndSessi
       if (!ended.ok()) {
         return ToStatus(ended.refusal());
       }
-      *response->mutable_session() =
-          Describe(record::SessionStore::Examine(*recording_.store.PathOf(ended->id)));
+      Convert(*ended, false, *response->mutable_session());
+      if (const auto file = recording_.store.PathOf(ended->id)) {
+        *response->mutable_session() = Describe(record::SessionStore::Examine(*file));
+      }
       return grpc::Status::OK;
     }
     return ToStatus(UnknownSession());
@@ -185,29 +206,12 @@ std::optional<record::SessionInfo> SessionService::ActiveOf(const std::string& s
 }
 
 v1::Session SessionService::Describe(const record::StoredSession& stored) const {
-  v1::Session message;
-  message.set_session_id(stored.id);
-  message.set_state(v1::SESSION_STATE_UNREADABLE);
-  message.set_message(stored.problem);
-  message.set_file_bytes(stored.file_bytes);
-  if (!stored.info) {
-    return message;
-  }
-  // As it stands, where it is recorded here: the file knows its samples when it ends.
-  const auto active = ActiveOf(stored.id);
-  Convert(active.value_or(*stored.info), stored.recording, message);
-  for (const record::Gap& gap : record::SessionReader(stored.file).NotedGaps()) {
-    if (gap.after_tick >= message.first_tick()) {
-      message.set_missed_ticks(message.missed_ticks() + gap.missed_ticks);
-      message.set_lost_ticks(message.lost_ticks() + gap.lost_ticks);
-    }
-  }
-  return message;
+  return rpc::Describe(stored, ActiveOf(stored.id));
 }
 
 grpc::Status SessionService::ListSessions(grpc::ServerContext*, const v1::ListSessionsRequest* request,
                                           v1::ListSessionsResponse* response) {
-  return Guarded("ListSessions", [&] {
+  return Unfelt("ListSessions", [&] {
     const auto is = [](const std::string& wanted, const std::string& label, const std::string& prefix) {
       return wanted.empty() || wanted == label || wanted == prefix + label;
     };
@@ -215,6 +219,10 @@ grpc::Status SessionService::ListSessions(grpc::ServerContext*, const v1::ListSe
       const record::SessionLabels labels = session.info ? session.info->labels : record::SessionLabels{};
       if (is(request->subject(), labels.subject, "sub-") && is(request->visit(), labels.visit, "ses-") &&
           is(request->task(), labels.task, "task-")) {
+        if (response->sessions_size() == kMaxListed) {
+          response->set_truncated(true);
+          break;
+        }
         *response->add_sessions() = Describe(session);
       }
     }
@@ -224,33 +232,24 @@ grpc::Status SessionService::ListSessions(grpc::ServerContext*, const v1::ListSe
 
 grpc::Status SessionService::GetSession(grpc::ServerContext*, const v1::GetSessionRequest* request,
                                         v1::GetSessionResponse* response) {
-  return Guarded("GetSession", [&] {
+  return Unfelt("GetSession", [&] {
     const auto file = recording_.store.PathOf(request->session_id());
     if (!file) {
       return ToStatus(UnknownSession());
     }
     const record::StoredSession stored = record::SessionStore::Examine(*file);
-    if (!stored.info) {
-      return ToStatus(Unreadable(stored.problem));
-    }
-    const record::SessionReader reader(*file);
     *response->mutable_session() = Describe(stored);
-    for (const record::Marker& marker : reader.Markers()) {
-      Convert(marker, *response->add_markers());
+    if (response->session().state() == v1::SESSION_STATE_UNREADABLE) {
+      return ToStatus(Unreadable(response->session().message()));
     }
-    for (const record::Event& event : reader.Events()) {
-      Convert(stored.info->axis.name, event, *response->add_events());
-    }
-    response->set_configuration(stored.info->provenance.configuration);
-    response->set_command_line(stored.info->provenance.command_line);
-    response->set_axis_state(stored.info->provenance.axis_state);
+    AddContents(stored, *response);
     return grpc::Status::OK;
   });
 }
 
 grpc::Status SessionService::ReadSession(grpc::ServerContext* context, const v1::ReadSessionRequest* request,
                                          grpc::ServerWriter<v1::ReadSessionResponse>* writer) {
-  return Guarded("ReadSession", [&] {
+  return Unfelt("ReadSession", [&] {
     const auto playback = ReadRequest(*request);
     if (!playback.ok()) {
       return ToStatus(playback.refusal());
@@ -266,16 +265,12 @@ grpc::Status SessionService::ReadSession(grpc::ServerContext* context, const v1:
     if (!file) {
       return ToStatus(UnknownSession());
     }
-    try {
-      record::SessionReader reader(*file);
-      Pace pace(*context, request->speed());
-      Play(reader, *playback, [&](int64_t monotonic_ns, const v1::ReadSessionResponse& record) {
-        return pace.Await(monotonic_ns) && writer->Write(record);
-      });
-      return grpc::Status::OK;
-    } catch (const record::SessionFileError& error) {
-      return ToStatus(Unreadable(error.what()));
-    }
+    record::SessionReader reader(*file);
+    Pace pace(*context, request->speed());
+    Play(reader, *playback, [&](const v1::ReadSessionResponse& record) {
+      return (!record.has_batch() || pace.Await(record.batch().monotonic_ns(0))) && writer->Write(record);
+    });
+    return grpc::Status::OK;
   });
 }
 

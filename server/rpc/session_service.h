@@ -1,6 +1,7 @@
 // Recording by request: sessions begun, marked, ended, listed and read.
 #pragma once
 
+#include <mutex>
 #include <optional>
 #include <string>
 
@@ -53,6 +54,7 @@ class SessionService final : public v1::SessionService::Service {
   const AxisRegistry& axes_;
   const Recording recording_;
   ComputationLimit readers_{kMaxSessionReaders};
+  std::mutex ending_;
 };
 
 }  // namespace mwidth::rpc

@@ -8,37 +8,13 @@
 #include <ctime>
 
 #include "client/cli/numbers.h"
+#include "server/record/utf8.h"
 
 namespace mwidth::cli::session {
 namespace {
 
-constexpr const char* kReplacement = "\xEF\xBF\xBD";
 constexpr const char* kMinus = "\xE2\x88\x92";
 constexpr const char* kNone = "\xE2\x80\x93";
-
-// Bytes of the well-formed UTF-8 character that begins `text`; 0 where none does (Unicode, table 3-7).
-std::size_t CharacterLength(std::string_view text) {
-  const auto byte = [text](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const auto follows = [&](std::size_t i, unsigned low = 0x80, unsigned high = 0xBF) {
-    return i < text.size() && byte(i) >= low && byte(i) <= high;
-  };
-  const unsigned first = byte(0);
-  if (first < 0x80) {
-    return 1;
-  }
-  if (first >= 0xC2 && first <= 0xDF) {
-    return follows(1) ? 2 : 0;
-  }
-  if (first >= 0xE0 && first <= 0xEF) {
-    return follows(1, first == 0xE0 ? 0xA0 : 0x80, first == 0xED ? 0x9F : 0xBF) && follows(2) ? 3 : 0;
-  }
-  if (first >= 0xF0 && first <= 0xF4) {
-    return follows(1, first == 0xF0 ? 0x90 : 0x80, first == 0xF4 ? 0x8F : 0xBF) && follows(2) && follows(3)
-               ? 4
-               : 0;
-  }
-  return 0;
-}
 
 std::string Escaped(char character) {
   switch (character) {
@@ -56,7 +32,7 @@ std::string Escaped(char character) {
     case '\t':
       return {character};
     default:
-      return character < ' ' || character == '\x7f' ? kReplacement : std::string(1, character);
+      return character < ' ' || character == '\x7f' ? record::kReplacementCharacter : std::string(1, character);
   }
 }
 
@@ -73,9 +49,9 @@ std::string WithTrueMinus(std::string text) {
 std::string Escape(std::string_view text) {
   std::string escaped;
   while (!text.empty()) {
-    const std::size_t length = CharacterLength(text);
+    const std::size_t length = record::Utf8CharacterLength(text);
     if (length == 0) {
-      escaped += kReplacement;
+      escaped += record::kReplacementCharacter;
     } else if (length == 1) {
       escaped += Escaped(text.front());
     } else {

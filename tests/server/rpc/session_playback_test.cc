@@ -44,7 +44,7 @@ class SessionPlaybackTest : public testing::Test {
   std::vector<std::string> Played(const PlaybackRequest& request, std::size_t most = 100) {
     record::SessionReader reader(path_);
     std::vector<std::string> played;
-    Play(reader, request, [&](int64_t, const v1::ReadSessionResponse& record) {
+    Play(reader, request, [&](const v1::ReadSessionResponse& record) {
       if (record.has_batch()) {
         const v1::SampleBatch& batch = record.batch();
         played.push_back(

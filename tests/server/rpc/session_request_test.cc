@@ -70,6 +70,11 @@ TEST(SessionRequestTest, RefusesNumbersAndTextsThatAreTooLarge) {
   (*labels.mutable_metadata())["key"] = std::string(4001, 'x');
   ExpectRefused(labels, "INVALID_TEXT", "metadata's values");
   labels.clear_metadata();
+  for (int i = 0; i < 9; ++i) {
+    (*labels.mutable_metadata())[std::to_string(i)] = std::string(4000, 'x');
+  }
+  ExpectRefused(labels, "INVALID_TEXT", "at most 32000 bytes in all");
+  labels.clear_metadata();
   for (int i = 0; i <= 100; ++i) {
     (*labels.mutable_metadata())[std::to_string(i)] = "";
   }

@@ -226,7 +226,7 @@ class Client:
             metadata={key: str(value) for key, value in (metadata or {}).items()},
         )
         request = session_pb2.StartSessionRequest(axis=axis, labels=labels)
-        return Session(self, self._call(self._sessions.StartSession, request).session, axis)
+        return Session(self, axis, lambda: self._call(self._sessions.StartSession, request).session)
 
     def sessions(self, subject="", visit="", task=""):
         """List of mwidth.v1.Session in the server's folder, the newest first; only those of a subject, visit or task."""

@@ -21,12 +21,13 @@ class Session:
     any thread and raise Error.
     """
 
-    def __init__(self, client, info, axis):
+    def __init__(self, client, axis, start):
         self._client = client
         self._axis = axis
-        self.info = info  # mwidth.v1.Session, as it began; after end() as it ended
         self._ended = False
+        # Before it begins: if this fails, nothing is left recording.
         self.sync_clock()
+        self.info = start()  # mwidth.v1.Session, as it began; after end() as it ended
 
     @property
     def session_id(self):
