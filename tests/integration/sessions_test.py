@@ -4,6 +4,7 @@ import json
 import os
 import pathlib
 import tempfile
+import threading
 import time
 import unittest
 
@@ -151,6 +152,39 @@ class SessionsTest(unittest.TestCase):
         self.assertTrue(listed[0].message)
         self.assert_refused("DATA_LOSS", "UNREADABLE_SESSION", lambda: self.client.stored_session("broken"))
 
+    def test_texts_that_are_no_utf8_do_not_spoil_the_list(self):
+        pathlib.Path(os.fsdecode(os.fsencode(self.folder) + b"/bad\xff.sqlite")).write_bytes(b"not a database")
+        info = self.record(ticks=10)[0].info
+        self.assertEqual({each.session_id for each in self.client.sessions()}, {info.session_id, "bad\ufffd"})
+
+    def test_a_marker_dated_by_another_clock_does_not_hold_up_playback(self):
+        with self.client.session(subject="01", task="reach") as session:
+            for client_ns in (0, time.time_ns()):
+                self.client._sessions.AddMarker(v1.AddMarkerRequest(time=v1.ClientTime(client_ns=client_ns)))
+            time.sleep(0.05)
+        markers = [each for each in self.client.read_session(session.session_id, speed=1000) if isinstance(each, v1.Marker)]
+        self.assertEqual(len(markers), 2)
+
+    def test_a_session_ends_once(self):
+        session = self.client.session(subject="01", task="reach")
+        outcomes = []
+
+        def end():
+            try:
+                self.client._call(self.client._sessions.EndSession, v1.EndSessionRequest(session_id=session.session_id))
+                outcomes.append("ended")
+            except mwidth.Error as error:
+                outcomes.append(error.reason)
+
+        threads = [threading.Thread(target=end) for _ in range(3)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(sorted(outcomes), ["UNKNOWN_SESSION", "UNKNOWN_SESSION", "ended"])
+        kinds = [event.kind for event in self.client.stored_session(session.session_id).events]
+        self.assertEqual(kinds.count(telemetry.EVENT_KIND_SESSION_ENDED), 1)
+
     def test_events_are_told_as_they_happen(self):
         with self.client.events() as events:
             with self.client.control("the study") as control:
@@ -178,6 +212,19 @@ class SessionsTest(unittest.TestCase):
         now = again.to_axis_ns(time.monotonic_ns())
         self.assertGreater(now + again.error_ns, before)
         self.assertLess(after - before, 20 * 10_000_000_000)
+
+
+class UnusableFolderTest(unittest.TestCase):
+    def test_keeps_nobody_from_rendering(self):
+        with tempfile.NamedTemporaryFile() as file, ServerProcess("--config", "paper", "--sessions", file.name) as server, \
+                mwidth.Client(server.address) as client:
+            with client.control("test") as control:
+                control.start_rendering()
+                control.set_mass(0.05)
+                control.stop_rendering()
+            with self.assertRaises(mwidth.Error) as raised:
+                client.session(subject="01", task="reach")
+            self.assertEqual(raised.exception.reason, "STORAGE_FAILED")
 
 
 class RealTimeClockTest(unittest.TestCase):
