@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -23,7 +24,7 @@ namespace mwidth::record {
 namespace {
 
 constexpr mode_t kFileMode = 0640;
-// How long the end of a session waits for those who read it just now.
+// How long a session waits for what keeps its log: readers at its end, a disk that failed before.
 constexpr int kBusyTimeoutMs = 2000;
 
 // Created here and not by SQLite, whose files the whole world may read.
@@ -139,7 +140,13 @@ class SessionFile::Database {
       if (log_) {
         log_->Sync();
       }
-    } catch (const std::runtime_error& error) {  // SQLite::Exception, too
+    } catch (const SQLite::Exception& error) {
+      throw StorageError(file_.string() + " cannot be written: " + error.what(),
+                         error.getErrorCode() == SQLITE_FULL);
+    } catch (const std::system_error& error) {
+      throw StorageError(file_.string() + " cannot be written: " + error.what(),
+                         error.code() == std::errc::no_space_on_device);
+    } catch (const std::runtime_error& error) {
       throw StorageError(file_.string() + " cannot be written: " + error.what(), false);
     }
   }
@@ -230,6 +237,7 @@ class SessionFile::Database {
   // Of a database in WAL mode. From here on commits wait for no disk: Sync does.
   void OpenForWriting() {
     database_->exec("PRAGMA synchronous = NORMAL");
+    database_->setBusyTimeout(kBusyTimeoutMs);  // for a log that is written again
     rows_ = std::make_unique<SessionRows>(*database_);
     log_ = std::make_unique<SessionLog>(file_, *database_);
   }

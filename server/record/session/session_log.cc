@@ -4,7 +4,9 @@
 #include <cstring>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 
+#include <SQLiteCpp/Statement.h>
 #include <fcntl.h>
 #include <sqlite3.h>
 #include <unistd.h>
@@ -44,15 +46,40 @@ int SessionLog::CountPages(void* log, sqlite3*, const char*, int pages) {
   return SQLITE_OK;
 }
 
+// Passive: goes as far as readers let it, and waits for nobody. Syncs the log first, and the database last.
+void SessionLog::Checkpoint() {
+  try {
+    checkpointer_.exec("PRAGMA wal_checkpoint(PASSIVE)");
+  } catch (const SQLite::Exception& error) {
+    // Of the syncs one may have failed; a disk without room shows when the database is written.
+    doubtful_ = doubtful_ || error.getErrorCode() != SQLITE_FULL;
+    throw;
+  }
+}
+
+// A log of which a page is missing on the disk would, after a loss of power, bring old pages back into a
+// database that is newer: so it is emptied, or this has failed. Writers wait meanwhile.
+void SessionLog::Rewrite() {
+  SQLite::Statement checkpoint(checkpointer_, "PRAGMA wal_checkpoint(TRUNCATE)");
+  checkpoint.executeStep();
+  if (checkpoint.getColumn(0).getInt() != 0) {
+    throw std::runtime_error(
+        "its log did not come to the disk, and cannot be written again while it is read");
+  }
+}
+
 void SessionLog::Sync() {
   const std::lock_guard lock(mutex_);
-  if (pages_ >= kCheckpointPages) {
-    // Syncs the log, too. Passive: goes as far as readers let it, and waits for nobody.
-    checkpointer_.exec("PRAGMA wal_checkpoint(PASSIVE)");
+  if (doubtful_) {
+    Rewrite();
+  } else if (pages_ >= kCheckpointPages) {
+    Checkpoint();
   }
   if (fdatasync(log_file_) != 0) {
-    throw std::runtime_error(std::string("its log does not come to the disk: ") + std::strerror(errno));
+    doubtful_ = true;
+    throw std::system_error(errno, std::generic_category(), "its log does not come to the disk");
   }
+  doubtful_ = false;
 }
 
 }  // namespace mwidth::record

@@ -22,16 +22,24 @@ class SessionLog {
   SessionLog& operator=(const SessionLog&) = delete;
   ~SessionLog();
 
-  /// Returns when every commit before it is on the disk. Throws as the constructor.
+  /// Returns when every commit before it is on the disk. Throws as the constructor (std::system_error where
+  /// the system tells why). The system tells a write that failed once, and forgets what it could not write:
+  /// after a failure this only returns when it has written and synced again, into the database, all that the
+  /// log has, as it is cached, and has begun the log anew.
   void Sync();
 
  private:
+  void Checkpoint();
+  void Rewrite();
+
   static int CountPages(void* log, sqlite3*, const char*, int pages);
 
   SQLite::Database& writer_;
   std::mutex mutex_;
   SQLite::Database checkpointer_;
   int log_file_;
+  // Nobody knows what the disk has of the log.
+  bool doubtful_ = false;
   // Pages in the log since it was last begun anew.
   std::atomic<int> pages_ = 0;
 };

@@ -134,6 +134,11 @@ class SessionReader::File {
     info = ReadInfo(database);
     info.id = file.stem().string();
     blocks.emplace(database, info.axis);
+    try {
+      CountSamples(database, info);
+    } catch (const SQLite::Exception&) {  // a page is damaged: what the others have can be read
+      blocks->Count(info);
+    }
   }
 
   // A table that cannot be read, in the words of a person.

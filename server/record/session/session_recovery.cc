@@ -8,14 +8,22 @@
 namespace mwidth::record {
 namespace {
 
-// When its last sample was, by the wall clock.
+// When the last sample that can be read was, by the wall clock.
 int64_t EndOf(SessionReader& reader) {
   const SessionInfo& info = reader.info();
   std::vector<exchange::Sample> samples;
   int64_t monotonic_ns = info.start_monotonic_ns;
-  reader.Seek(info.last_tick);
-  while (reader.Next(samples)) {
-    monotonic_ns = samples.back().monotonic_ns;
+  // From the last block, or, where that is damaged, from the first.
+  for (const uint64_t tick : {info.last_tick, uint64_t{0}}) {
+    reader.Seek(tick);
+    bool any = false;
+    while (reader.Next(samples)) {
+      monotonic_ns = samples.back().monotonic_ns;
+      any = true;
+    }
+    if (any) {
+      break;
+    }
   }
   int64_t offset_ns = info.start_wall_ns - info.start_monotonic_ns;
   for (const WallClockStep& step : reader.WallClockSteps()) {

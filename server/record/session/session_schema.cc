@@ -101,7 +101,8 @@ SessionState StateOf(int64_t number) {
   return static_cast<SessionState>(number);
 }
 
-// Of both tables, which never hold the same sample.
+}  // namespace
+
 void CountSamples(SQLite::Database& database, SessionInfo& info) {
   SQLite::Statement count(
       database,
@@ -112,8 +113,6 @@ void CountSamples(SQLite::Database& database, SessionInfo& info) {
   info.first_tick = static_cast<uint64_t>(count.getColumn(1).getInt64());
   info.last_tick = static_cast<uint64_t>(count.getColumn(2).getInt64());
 }
-
-}  // namespace
 
 void CreateTables(SQLite::Database& database) {
   database.exec("PRAGMA application_id = " + std::to_string(kSessionApplicationId));
@@ -166,7 +165,6 @@ SessionInfo ReadInfo(SQLite::Database& database) {
   if (rows.Has("end_wall_ns")) {
     info.end_wall_ns = rows.Integer("end_wall_ns");
   }
-  CountSamples(database, info);
   return info;
 }
 

@@ -20,9 +20,12 @@ void CreateTables(SQLite::Database& database);
 /// Replaces what `info` says, but the counts of samples, which the blocks have.
 void WriteInfo(const SessionInfo& info, SQLite::Database& database);
 
-/// What the file says of itself, its id excepted. Also throws std::runtime_error where something is missing
-/// or has another type.
+/// What the file says of itself, but its id and the counts of samples. Also throws std::runtime_error where
+/// something is missing or has another type.
 SessionInfo ReadInfo(SQLite::Database& database);
+
+/// Fills in the counts of samples, as blocks and tail, which never hold the same sample, tell them.
+void CountSamples(SQLite::Database& database, SessionInfo& info);
 
 /// A JSON object of strings, and back. Text that is no UTF-8 is mended; an object that is none is empty.
 std::string MetadataText(const std::map<std::string, std::string>& metadata);

@@ -1,11 +1,13 @@
 #include "server/record/session/stored_blocks.h"
 
 #include <algorithm>
-#include <set>
+#include <filesystem>
 #include <span>
-#include <utility>
+#include <system_error>
 
 #include <sqlite3.h>
+
+#include "server/record/session/block_layout.h"
 
 namespace mwidth::record {
 namespace {
@@ -94,29 +96,73 @@ class OrderCheck {
 }  // namespace
 
 BlockTable::BlockTable(SQLite::Database& database, const std::string& name)
-    : next_(database,
-            "SELECT number FROM " + name + " WHERE number > ? AND last_tick >= ? ORDER BY number LIMIT 1"),
+    : database_(database),
+      first_(database, "SELECT min(number) FROM " + name),
       last_(database, "SELECT max(number) FROM " + name),
+      probe_(database, "SELECT last_tick FROM " + name + " WHERE number = ?"),
       read_(database,
             "SELECT first_tick, last_tick, samples, checksum, data FROM " + name + " WHERE number = ?") {}
 
-std::optional<uint64_t> BlockTable::NumberBehind(uint64_t number, uint64_t tick) {
-  next_.tryReset();
-  next_.bind(1, static_cast<int64_t>(number));
-  next_.bind(2, static_cast<int64_t>(tick));
-  const int result = next_.tryExecuteStep();
-  if (result == SQLITE_ROW || result == SQLITE_DONE) {
-    const auto found = result == SQLITE_ROW ? std::optional(Unsigned(next_.getColumn(0))) : std::nullopt;
-    next_.tryReset();
-    return found;
+uint64_t BlockTable::RowsThatFit() const {
+  const char* file = sqlite3_db_filename(database_.getHandle(), "main");
+  uint64_t bytes = 0;
+  for (const char* suffix : {"", "-wal"}) {
+    std::error_code none;
+    const auto size = std::filesystem::file_size(file + std::string(suffix), none);
+    bytes += none ? 0 : size;
   }
-  // A page between here and there is damaged: the rows behind it can still be asked for by their numbers.
-  next_.tryReset();
-  last_.tryReset();
-  const bool known = last_.tryExecuteStep() == SQLITE_ROW;
-  const uint64_t last = known ? Unsigned(last_.getColumn(0)) : 0;
-  last_.tryReset();
-  return number < last ? std::optional(number + 1) : std::nullopt;
+  return bytes / kHeadBytes + 1;
+}
+
+BlockTable::Range BlockTable::Numbers() {
+  const auto ask = [](SQLite::Statement& statement) {
+    statement.tryReset();
+    const bool read = statement.tryExecuteStep() == SQLITE_ROW;
+    const auto number = read ? std::optional(Unsigned(statement.getColumn(0))) : std::nullopt;
+    statement.tryReset();
+    return number;
+  };
+  const uint64_t fit = RowsThatFit();
+  const std::optional<uint64_t> first = ask(first_);
+  const std::optional<uint64_t> last = ask(last_);
+  if (first && last && *first <= *last && *last - *first < fit) {
+    return {.first = *first, .last = *last, .last_known = true};
+  }
+  if (first && (!last || *first <= *last)) {
+    return {.first = *first, .last = *first + fit - 1, .last_known = false, .stray = last.value_or(0)};
+  }
+  if (!last || *last <= fit) {
+    return {.first = 1, .last = last.value_or(fit), .last_known = last.has_value()};
+  }
+  // The numbers of a tail go on from one to the next: the row before the first that can be read is told, and
+  // stands for those before it.
+  uint64_t begin = *last - std::min<uint64_t>(fit, kMaxBlockSamples);
+  while (begin < *last && Probe(begin + 1, 0) != Finding::kThere) {
+    ++begin;
+  }
+  return {.first = begin, .last = *last, .last_known = true};
+}
+
+BlockTable::Finding BlockTable::Probe(uint64_t number, uint64_t tick) {
+  probe_.tryReset();
+  probe_.bind(1, static_cast<int64_t>(number));
+  const int result = probe_.tryExecuteStep();
+  Finding finding = Finding::kUnreadable;
+  if (result == SQLITE_DONE) {
+    finding = Finding::kAbsent;
+  } else if (result == SQLITE_ROW) {
+    seen_ = std::max(seen_, number);
+    finding = Unsigned(probe_.getColumn(0)) < tick ? Finding::kBefore : Finding::kThere;
+  }
+  probe_.tryReset();
+  return finding;
+}
+
+bool BlockTable::IsSeenBehind(uint64_t number, uint64_t last) {
+  for (uint64_t behind = number + 1; seen_ <= number && behind <= last; ++behind) {
+    Probe(behind, 0);
+  }
+  return seen_ > number;
 }
 
 BlockTable::Row BlockTable::Read(uint64_t number, SampleDecoder& decoder,
@@ -157,12 +203,31 @@ BlockTable::Row BlockTable::Read(uint64_t number, SampleDecoder& decoder,
 
 std::optional<BlockTable::Row> BlockTable::Next(uint64_t number, uint64_t tick, SampleDecoder& decoder,
                                                 std::vector<exchange::Sample>& samples) {
-  const std::optional<uint64_t> next = NumberBehind(number, tick);
-  if (!next) {
-    samples.clear();
+  samples.clear();
+  if (number >= unreadable_from_) {
     return std::nullopt;
   }
-  return Read(*next, decoder, samples);
+  const Range range = Numbers();
+  for (uint64_t next = std::max(number + 1, range.first); next <= range.last; ++next) {
+    const Finding finding = Probe(next, tick);
+    if (finding == Finding::kAbsent || finding == Finding::kBefore) {
+      continue;
+    }
+    Row row = Read(next, decoder, samples);
+    if (finding == Finding::kUnreadable && !range.last_known && !IsSeenBehind(next, range.last)) {
+      unreadable_from_ = next;
+      row.damage += "; nor can any behind it, and nobody knows how many these are";
+    }
+    return row;
+  }
+  if (range.stray > number) {
+    Row row = Read(range.stray, decoder, samples);
+    if (!row.damage.empty() || row.last_tick >= tick) {
+      return row;
+    }
+    samples.clear();
+  }
+  return std::nullopt;
 }
 
 StoredBlocks::StoredBlocks(SQLite::Database& database, const SessionAxis& axis)
@@ -193,10 +258,7 @@ bool StoredBlocks::NextOf(BlockTable& table, uint64_t& number, bool tail,
 }
 
 void StoredBlocks::NoteDamage(const DamagedBlock& block) {
-  const bool known = std::any_of(damaged_.begin(), damaged_.end(), [&block](const DamagedBlock& other) {
-    return other.number == block.number && other.first_tick == block.first_tick;
-  });
-  if (!known) {
+  if (told_.emplace(block.number, block.first_tick).second) {
     damaged_.push_back(block);
   }
 }
@@ -219,6 +281,17 @@ void StoredBlocks::ForEach(const Visit& visit) {
       visit(*row, tail, samples);
     }
   }
+}
+
+void StoredBlocks::Count(SessionInfo& info) {
+  info.sample_count = info.first_tick = info.last_tick = 0;
+  ForEach([&info](const BlockTable::Row& row, bool, const std::vector<exchange::Sample>& samples) {
+    if (!samples.empty()) {
+      info.first_tick = info.sample_count == 0 ? row.first_tick : info.first_tick;
+      info.last_tick = row.last_tick;
+      info.sample_count += samples.size();
+    }
+  });
 }
 
 std::vector<Gap> StoredBlocks::GapsOfDamage() {

@@ -3,8 +3,11 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <SQLiteCpp/Database.h>
@@ -15,7 +18,9 @@
 
 namespace mwidth::record {
 
-/// The rows of one table of blocks. Rows that cannot be read are told, not thrown. One thread.
+/// The rows of one table of blocks. Rows that cannot be read are told, not thrown. Asks for rows by their
+/// numbers, which follow each other, so that a page of the database that is damaged hides no row of another;
+/// for no more of them than the file has room for. One thread.
 class BlockTable {
  public:
   struct Row {
@@ -36,12 +41,31 @@ class BlockTable {
                           std::vector<exchange::Sample>& samples);
 
  private:
-  std::optional<uint64_t> NumberBehind(uint64_t number, uint64_t tick);
+  enum class Finding : uint8_t { kAbsent, kBefore, kThere, kUnreadable };
+  struct Range {
+    uint64_t first = 1;
+    uint64_t last = 0;
+    // False: the table's end cannot be read, and `last` is as many as fit.
+    bool last_known = false;
+    // The last row of all where that is no number that fits; else 0.
+    uint64_t stray = 0;
+  };
+
+  uint64_t RowsThatFit() const;
+  Range Numbers();
+  // Whether the row has a tick of `tick` or above.
+  Finding Probe(uint64_t number, uint64_t tick);
+  bool IsSeenBehind(uint64_t number, uint64_t last);
   Row Read(uint64_t number, SampleDecoder& decoder, std::vector<exchange::Sample>& samples);
 
-  SQLite::Statement next_;
+  const SQLite::Database& database_;
+  SQLite::Statement first_;
   SQLite::Statement last_;
+  SQLite::Statement probe_;
   SQLite::Statement read_;
+  // The largest number that was seen to be there, and the first from which on none can be read.
+  uint64_t seen_ = 0;
+  uint64_t unreadable_from_ = std::numeric_limits<uint64_t>::max();
 };
 
 /// First the table blocks, then the tail. Each call sees one state of a database that may grow meanwhile, and
@@ -63,6 +87,9 @@ class StoredBlocks {
   /// says so.
   std::vector<DamagedBlock> Verify(const std::vector<Gap>& gaps);
 
+  /// Counts, for `info`, the samples that can be read.
+  void Count(SessionInfo& info);
+
  private:
   using Visit = std::function<void(const BlockTable::Row&, bool tail, const std::vector<exchange::Sample>&)>;
 
@@ -80,6 +107,8 @@ class StoredBlocks {
   uint64_t given_tick_ = 0;
   uint64_t sought_tick_ = 0;
   std::vector<DamagedBlock> damaged_;
+  // Their numbers and first ticks.
+  std::set<std::pair<uint64_t, uint64_t>> told_;
 };
 
 }  // namespace mwidth::record
