@@ -45,6 +45,25 @@ class StreamTest : public ::testing::Test {
   FakeServer server_;
 };
 
+TEST_F(StreamTest, CsvOfMinMaxHasTheExtremesBehindTheOtherColumns) {
+  const auto outcome =
+      Run({"--csv", "--samples", "1", "--decimation", "10", "--reduction", "min-max", "--min-batch", "5"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  const auto lines = Lines(outcome.out);
+  ASSERT_EQ(lines.size(), 2);
+  EXPECT_THAT(lines[0],
+              HasSubstr(",acceleration_counts,position_min_rad,position_max_rad,velocity_min_rad_per_s,"
+                        "velocity_max_rad_per_s,acceleration_min_rad_per_s2,acceleration_max_rad_per_s2,"
+                        "force_min_n_m,force_max_n_m"));
+  EXPECT_THAT(lines[1], ::testing::EndsWith(",-7,1000,1001,-2,-1,1,2,0,0.5"));
+}
+
+TEST_F(StreamTest, RefusesAnUnknownReductionAndABatchOutOfRange) {
+  for (const auto& arguments : {std::vector<std::string>{"--reduction", "mean"}, {"--min-batch", "1001"}}) {
+    EXPECT_EQ(Run(arguments).code, 2);
+  }
+}
+
 TEST_F(StreamTest, CsvHasUnitsInItsHeadAndExactNumbers) {
   const auto outcome = Run({"--csv", "--samples", "2"});
   EXPECT_EQ(outcome.code, 0) << outcome.err;
