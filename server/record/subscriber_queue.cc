@@ -32,7 +32,7 @@ bool SubscriberQueue::Waiting::AfterAGap() const {
 }
 
 SubscriberQueue::SubscriberQueue(const Terms& terms, std::function<void()> notify, bool closed)
-    : terms_(terms), notify_(std::move(notify)), closed_(closed) {}
+    : terms_(terms), notification_(std::move(notify)), closed_(closed) {}
 
 std::size_t SubscriberQueue::FirstSampleOf(const Batch& batch) const {
   if (terms_.first_tick <= batch.first_tick) {
@@ -55,13 +55,6 @@ void SubscriberQueue::Offer(const std::shared_ptr<const EncodedBatch>& batch) {
                       .missed_before = std::exchange(missed_, 0),
                       .dropped_before = std::exchange(dropped_, 0)});
   waiting_samples_ += batch->samples;
-}
-
-void SubscriberQueue::Notify() {
-  const std::lock_guard running(notify_mutex_);
-  if (!detached_) {
-    notify_();
-  }
 }
 
 bool SubscriberQueue::Take(Delivery& delivery) {
@@ -89,17 +82,12 @@ void SubscriberQueue::Close() {
     const std::lock_guard lock(mutex_);
     closed_ = true;
   }
-  Notify();
+  notification_.Notify();
 }
 
 bool SubscriberQueue::ended() const {
   const std::lock_guard lock(mutex_);
   return closed_ && waiting_.empty();
-}
-
-void SubscriberQueue::Detach() {
-  const std::lock_guard running(notify_mutex_);
-  detached_ = true;
 }
 
 }  // namespace mwidth::record

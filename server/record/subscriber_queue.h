@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "server/record/batcher.h"
+#include "server/record/notification.h"
 
 namespace mwidth::record {
 
@@ -42,8 +43,8 @@ struct Delivery {
   bool as_encoded() const;
 };
 
-/// Bounded; never waits. Shared by the broadcast and the subscription, so that it outlives a notification in
-/// which the subscription is destroyed. Any thread, but for the two functions of the broadcast's.
+/// Bounded; never waits. Shared by the broadcast and the subscription, as its notification is. Any thread,
+/// but for the two functions of the broadcast's.
 class SubscriberQueue {
  public:
   struct Terms {
@@ -65,7 +66,7 @@ class SubscriberQueue {
   /// Queues a batch where it fits or nothing waits; counts it as lost otherwise. By the broadcast.
   void Offer(const std::shared_ptr<const EncodedBatch>& batch);
   /// Calls `notify` unless detached.
-  void Notify();
+  void Notify() { notification_.Notify(); }
   /// Moves the oldest batches into `delivery`: as many as make one batch. False where none waits.
   bool Take(Delivery& delivery);
   /// Nothing will be offered any more.
@@ -73,7 +74,7 @@ class SubscriberQueue {
   /// True when closed and everything is taken.
   bool ended() const;
   /// Afterwards no notification runs: waits for one that runs on another thread.
-  void Detach();
+  void Detach() { notification_.Detach(); }
 
  private:
   struct Waiting {
@@ -86,11 +87,8 @@ class SubscriberQueue {
   };
 
   const Terms terms_;
-  const std::function<void()> notify_;
+  Notification notification_;
   bool begun_ = false;
-  // Held while a notification runs: Detach waits for it. Recursive, because a notification may detach itself.
-  std::recursive_mutex notify_mutex_;
-  bool detached_ = false;
 
   mutable std::mutex mutex_;
   std::deque<Waiting> waiting_;
