@@ -44,14 +44,9 @@ nlohmann::ordered_json Json(const Entry& entry) {
   if (stored.info) {
     json = record::SummaryJson(*stored.info);
     json["state"] = State(stored);
-    uint64_t missed = 0;
-    uint64_t lost = 0;
-    for (const auto& gap : entry.gaps) {
-      missed += gap.missed_ticks;
-      lost += gap.lost_ticks;
-    }
-    json["missed_ticks"] = missed;
-    json["lost_ticks"] = lost;
+    const record::GapTotals totals = record::TotalsOf(entry.gaps);
+    json["missed_ticks"] = totals.missed_ticks;
+    json["lost_ticks"] = totals.lost_ticks;
   } else {
     json = {{"session", stored.id}, {"state", State(stored)}, {"message", stored.problem}};
   }

@@ -138,12 +138,7 @@ std::string Duration(const SessionInfo& info) {
 }
 
 std::string GapText(const std::vector<record::Gap>& gaps) {
-  uint64_t missed = 0;
-  uint64_t lost = 0;
-  for (const auto& gap : gaps) {
-    missed += gap.missed_ticks;
-    lost += gap.lost_ticks;
-  }
+  const auto [missed, lost] = record::TotalsOf(gaps);
   return missed + lost == 0 ? "none" : std::to_string(missed) + " missed, " + std::to_string(lost) + " lost";
 }
 

@@ -53,16 +53,20 @@ void LeaveLog(SQLite::Database& database) {
   database.tryExec("PRAGMA journal_mode = DELETE");
 }
 
-// So that the file is found after a loss of power.
-void SyncFolder(const std::filesystem::path& file) {
-  const int folder = open(file.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (folder >= 0) {
-    fsync(folder);
-    close(folder);
+}  // namespace
+
+void SyncFolder(const std::filesystem::path& folder) {
+  const int descriptor = open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  const bool synced = descriptor >= 0 && fsync(descriptor) == 0;
+  const int reason = errno;
+  if (descriptor >= 0) {
+    close(descriptor);
+  }
+  if (!synced) {
+    throw StorageError(folder.string() + " does not come to the disk: " + std::strerror(reason),
+                       reason == ENOSPC);
   }
 }
-
-}  // namespace
 
 class SessionFile::Database {
  public:
@@ -71,6 +75,7 @@ class SessionFile::Database {
     CreateFile(file);
     try {
       Guard([this] { CreateDatabase(); });
+      SyncFolder(file.parent_path());
     } catch (const StorageError&) {
       log_.reset();
       rows_.reset();
@@ -78,7 +83,6 @@ class SessionFile::Database {
       RemoveFile(file);
       throw;
     }
-    SyncFolder(file);
   }
 
   // Takes up an existing file, of which a reader said this.

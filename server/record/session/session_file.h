@@ -28,6 +28,10 @@ class StorageError : public std::runtime_error {
   bool disk_full_;
 };
 
+/// Brings the names in a folder to the disk, so that they are found after a loss of power. Throws
+/// StorageError.
+void SyncFolder(const std::filesystem::path& folder);
+
 /// How sure a commit is.
 enum class Durability : uint8_t {
   /// Survives the death of this process.

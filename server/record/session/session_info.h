@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "server/exchange/crossing.h"
 
@@ -118,6 +119,21 @@ struct Gap {
 
   bool operator==(const Gap&) const = default;
 };
+
+struct GapTotals {
+  uint64_t missed_ticks = 0;
+  uint64_t lost_ticks = 0;
+};
+
+/// The sums of all gaps.
+inline GapTotals TotalsOf(const std::vector<Gap>& gaps) noexcept {
+  GapTotals totals;
+  for (const Gap& gap : gaps) {
+    totals.missed_ticks += gap.missed_ticks;
+    totals.lost_ticks += gap.lost_ticks;
+  }
+  return totals;
+}
 
 /// The wall clock jumped against the axis's clock: from here on wall = monotonic + offset.
 struct WallClockStep {

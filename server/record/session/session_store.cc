@@ -145,10 +145,23 @@ void SessionStore::RequireSpace() const {
   }
 }
 
+// And those above it, with their names on the disk.
+void SessionStore::MakeFolder() const {
+  std::vector<fs::path> made;
+  for (fs::path folder = fs::absolute(folder_).lexically_normal(); !fs::exists(folder);
+       folder = folder.parent_path()) {
+    made.push_back(folder);
+  }
+  fs::create_directories(folder_);
+  for (const fs::path& folder : made) {
+    SyncFolder(folder.parent_path());
+  }
+}
+
 NewSession SessionStore::Create(SessionInfo info) {
   const std::lock_guard lock(mutex_);
   try {
-    fs::create_directories(folder_);
+    MakeFolder();
     RequireSpace();
     if (info.labels.run == 0) {
       info.labels.run = HighestRun(info.labels) + 1;

@@ -98,6 +98,7 @@ class SessionStore {
  private:
   int HighestRun(const SessionLabels& labels) const;
   bool RunExists(const SessionLabels& labels) const;
+  void MakeFolder() const;
   void RequireSpace() const;
 
   std::filesystem::path folder_;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <string>
 #include <vector>
@@ -27,6 +28,7 @@ class FullDiskTest : public testing::Test {
  protected:
   void SetUp() override {
     if (mount("tmpfs", folder_.path().c_str(), "tmpfs", 0, "size=4m") != 0) {
+      std::printf("skipped: a small file system cannot be mounted here (%s)\n", std::strerror(errno));
       GTEST_SKIP() << "a small file system cannot be mounted here (" << std::strerror(errno)
                    << "): run as root, with CAP_SYS_ADMIN";
     }

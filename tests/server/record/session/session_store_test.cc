@@ -3,9 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <fstream>
 #include <limits>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <SQLiteCpp/Database.h>
@@ -189,6 +191,40 @@ TEST_F(SessionStoreTest, BringsIntoAClosedFileWhatItsReadersLeftInALog) {
   EXPECT_FALSE(fs::exists(path.string() + "-wal"));
   EXPECT_EQ(SessionReader(path).info().sample_count, 5000);
   EXPECT_THAT(SessionReader(path).Verify(), IsEmpty());
+}
+
+TEST_F(SessionStoreTest, TellsFreeSpaceAsItIsConfigured) {
+  SessionStore store(folder_ / "sessions", 900'000'000'000'000'000);
+  try {
+    store.Create(info_);
+    FAIL() << "was not refused";
+  } catch (const SessionRefused& refused) {
+    EXPECT_THAT(refused.what(), HasSubstr("only where there are 900000000000 MB:"));
+  }
+}
+
+// A lock whose file was removed between its opening and its locking would be nobody's: many take and give one
+// back, and never two have it.
+TEST_F(SessionStoreTest, GivesALockToOneAtATimeAlsoWhileItsFileComesAndGoes) {
+  std::atomic<int> holders = 0;
+  std::atomic<int> taken = 0;
+  std::atomic<bool> shared = false;
+  std::vector<std::jthread> takers;
+  for (int i = 0; i < 4; ++i) {
+    takers.emplace_back([&] {
+      for (int n = 0; n < 5000; ++n) {
+        if (const auto lock = SessionLock::Take(folder_ / "one")) {
+          shared = shared || ++holders > 1;
+          std::this_thread::yield();
+          --holders;
+          ++taken;
+        }
+      }
+    });
+  }
+  takers.clear();
+  EXPECT_FALSE(shared);
+  EXPECT_GT(taken, 0);
 }
 
 TEST_F(SessionStoreTest, RecoversASessionWithoutASample) {
