@@ -44,7 +44,7 @@ class Broadcast::Group {
   bool full() const { return cut.min_batch > 1 && members.size() >= kGroupSize; }
 
   // `current`: the members, without the broadcast's lock.
-  void Publish(const Batch& batch, const Encode& encode, const Members& current) {
+  static void Publish(const Batch& batch, const Encode& encode, const Members& current) {
     const auto shared = MakeEncoded(batch, encode);
     std::shared_ptr<const EncodedBatch> later;
     for (const auto& member : current) {
@@ -112,7 +112,7 @@ void Broadcast::Consume(std::shared_ptr<const SampleBlock> block) {
         const std::lock_guard lock(mutex_);
         members = group->members;
       }
-      group->Publish(batch, encode_, members);
+      Group::Publish(batch, encode_, members);
     });
     for (const auto& member : members) {
       member->Notify();
@@ -131,7 +131,7 @@ void Broadcast::Close() {
       const std::lock_guard lock(mutex_);
       members = group->members;
     }
-    group->batcher.Flush([&](const Batch& batch) { group->Publish(batch, encode_, members); });
+    group->batcher.Flush([&](const Batch& batch) { Group::Publish(batch, encode_, members); });
     for (const auto& member : members) {
       member->Close();
     }
