@@ -113,7 +113,7 @@ SessionInfo SessionRecorder::Finish() {
   StopThreads();
   try {
     // Meanwhile it takes what comes: where it cannot end, nothing is lost of that.
-    const SessionInfo ended = writer->End();
+    SessionInfo ended = writer->End();
     leave();
     return ended;
   } catch (const SessionRefused&) {
