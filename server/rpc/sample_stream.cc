@@ -65,7 +65,7 @@ gate::Result<const Axis*> SampleStream::Subscribe(const v1::StreamSamplesRequest
   if (!cut.ok()) {
     return cut.refusal();
   }
-  const gate::Result<const Axis*> axis = streams_.axes().Find(request.axis());
+  gate::Result<const Axis*> axis = streams_.axes().Find(request.axis());
   if (axis.ok()) {
     // The ring still holds ticks that ran before: to a client that began to render, they would read as an
     // end.
