@@ -10,14 +10,11 @@ namespace {
 // gRPC's clients take 4 MB by default.
 constexpr std::size_t kMaxNotesBytes = 2'000'000;
 
-// Counts the ticks that are absent between the session's first and last.
+// Counts the ticks that are absent.
 void CountAbsent(const std::filesystem::path& file, v1::Session& message) {
-  for (const record::Gap& gap : record::SessionReader(file).NotedGaps()) {
-    if (gap.after_tick >= message.first_tick()) {
-      message.set_missed_ticks(message.missed_ticks() + gap.missed_ticks);
-      message.set_lost_ticks(message.lost_ticks() + gap.lost_ticks);
-    }
-  }
+  const record::GapTotals totals = record::TotalsOf(record::SessionReader(file).NotedGaps());
+  message.set_missed_ticks(totals.missed_ticks);
+  message.set_lost_ticks(totals.lost_ticks);
 }
 
 }  // namespace

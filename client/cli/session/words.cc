@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "client/cli/numbers.h"
+#include "client/cli/one_line.h"
 #include "client/cli/plot/table.h"
 #include "server/record/export/session_json.h"
 #include "server/record/export/text.h"
@@ -28,13 +29,6 @@ std::string Since(const SessionInfo& info, int64_t monotonic_ns) {
   const int length = std::snprintf(text.data(), text.size(), "%.3f",
                                    1e-9 * static_cast<double>(monotonic_ns - info.start_monotonic_ns));
   return {text.data(), static_cast<size_t>(length)};
-}
-
-// Line breaks would break tables, and escape sequences command terminals.
-std::string OneLine(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; }, ' ');
-  return text;
 }
 
 std::string Pairs(const std::map<std::string, std::string>& metadata) {
