@@ -32,7 +32,8 @@ std::string Escaped(char character) {
     case '\t':
       return {character};
     default:
-      return character < ' ' || character == '\x7f' ? record::kReplacementCharacter : std::string(1, character);
+      return character < ' ' || character == '\x7f' ? record::kReplacementCharacter
+                                                    : std::string(1, character);
   }
 }
 
