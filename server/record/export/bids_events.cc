@@ -7,6 +7,7 @@
 
 #include "server/record/export/session_json.h"
 #include "server/record/export/text.h"
+#include "server/record/session/session_schema.h"
 
 namespace mwidth::record {
 namespace {
@@ -37,7 +38,7 @@ std::string Seconds(const std::optional<int64_t>& time_ns) {
 }
 
 std::string Metadata(const std::map<std::string, std::string>& metadata) {
-  return metadata.empty() ? "" : JsonText(metadata);
+  return metadata.empty() ? "" : MetadataText(metadata);
 }
 
 Row RowOf(const Marker& marker, const MotionExtent& extent) {

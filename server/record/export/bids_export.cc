@@ -8,6 +8,7 @@
 #include "server/record/export/export.h"
 #include "server/record/export/session_json.h"
 #include "server/record/export/text.h"
+#include "server/record/session/wall_time.h"
 
 namespace mwidth::record {
 namespace {

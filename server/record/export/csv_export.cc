@@ -2,6 +2,7 @@
 #include "server/record/export/export.h"
 #include "server/record/export/session_json.h"
 #include "server/record/export/text.h"
+#include "server/record/session/session_schema.h"
 
 namespace mwidth::record {
 namespace {
@@ -39,7 +40,7 @@ void WriteEvents(const std::vector<Event>& events, const fs::path& file) {
   for (const Event& event : events) {
     out.Write(std::to_string(event.number) + ',' + std::string(KindWord(event.kind)) + ',' +
               std::to_string(event.tick) + ',' + std::to_string(event.monotonic_ns) + ',' +
-              CsvCell(event.message) + ',' + CsvCell(JsonText(event.metadata)) + '\n');
+              CsvCell(event.message) + ',' + CsvCell(MetadataText(event.metadata)) + '\n');
   }
   out.Close();
 }
@@ -51,7 +52,7 @@ void WriteMarkers(const std::vector<Marker>& markers, const fs::path& file) {
     out.Write(std::to_string(marker.number) + ',' + CsvCell(marker.kind) + ',' + CsvCell(marker.label) + ',' +
               std::to_string(marker.monotonic_ns) + ',' + std::to_string(marker.error_ns) + ',' +
               std::to_string(marker.arrival_ns) + ',' + std::to_string(marker.client_ns) + ',' +
-              CsvCell(JsonText(marker.metadata)) + '\n');
+              CsvCell(MetadataText(marker.metadata)) + '\n');
   }
   out.Close();
 }

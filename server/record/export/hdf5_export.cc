@@ -9,6 +9,7 @@
 #include "server/record/export/hdf5_file.h"
 #include "server/record/export/session_json.h"
 #include "server/record/export/text.h"
+#include "server/record/session/session_schema.h"
 
 namespace mwidth::record {
 namespace {
@@ -72,7 +73,7 @@ void WriteEvents(Hdf5File& file, const std::vector<Event>& events) {
   AddColumn(file, "/events/tick", events, &Event::tick);
   AddColumn(file, "/events/monotonic_ns", events, &Event::monotonic_ns);
   AddColumn(file, "/events/message", events, &Event::message);
-  AddColumn(file, "/events/metadata", events, [](const Event& e) { return JsonText(e.metadata); });
+  AddColumn(file, "/events/metadata", events, [](const Event& e) { return MetadataText(e.metadata); });
 }
 
 void WriteMarkers(Hdf5File& file, const std::vector<Marker>& markers) {
@@ -84,7 +85,7 @@ void WriteMarkers(Hdf5File& file, const std::vector<Marker>& markers) {
   AddColumn(file, "/markers/error_ns", markers, &Marker::error_ns);
   AddColumn(file, "/markers/arrival_ns", markers, &Marker::arrival_ns);
   AddColumn(file, "/markers/client_ns", markers, &Marker::client_ns);
-  AddColumn(file, "/markers/metadata", markers, [](const Marker& m) { return JsonText(m.metadata); });
+  AddColumn(file, "/markers/metadata", markers, [](const Marker& m) { return MetadataText(m.metadata); });
 }
 
 void WriteLosses(Hdf5File& file, const std::vector<Gap>& gaps, const std::vector<DamagedBlock>& damaged) {
@@ -140,7 +141,7 @@ void WriteSession(Hdf5File& file, const SessionInfo& info) {
   file.Attribute("/", "command_line", info.provenance.command_line);
   file.Text("/configuration", info.provenance.configuration);
   file.Text("/axis_state", info.provenance.axis_state);
-  file.Text("/metadata", JsonText(info.labels.metadata));
+  file.Text("/metadata", MetadataText(info.labels.metadata));
 }
 
 }  // namespace

@@ -153,14 +153,4 @@ std::string Indented(const Json& json) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-int64_t WallTime(const SessionInfo& info, const std::vector<WallClockStep>& steps, int64_t monotonic_ns) {
-  int64_t offset_ns = info.start_wall_ns - info.start_monotonic_ns;
-  for (const WallClockStep& step : steps) {
-    if (step.monotonic_ns <= monotonic_ns) {
-      offset_ns = step.offset_ns;
-    }
-  }
-  return monotonic_ns + offset_ns;
-}
-
 }  // namespace mwidth::record

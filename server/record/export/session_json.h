@@ -32,7 +32,4 @@ nlohmann::ordered_json ToJson(const std::vector<DamagedBlock>& damaged);
 /// Indented, with a line break at its end; bytes that are no UTF-8 are replaced.
 std::string Indented(const nlohmann::ordered_json& json);
 
-/// The wall clock at a moment of the axis's: as it was set then.
-int64_t WallTime(const SessionInfo& info, const std::vector<WallClockStep>& steps, int64_t monotonic_ns);
-
 }  // namespace mwidth::record

@@ -5,7 +5,6 @@
 #include <charconv>
 #include <chrono>
 #include <cstdio>
-#include <nlohmann/json.hpp>
 
 namespace mwidth::record {
 namespace {
@@ -80,10 +79,6 @@ std::string TsvCell(std::string_view text) {
     return "n/a";
   }
   return cell.starts_with('"') ? Quoted(cell) : cell;
-}
-
-std::string JsonText(const std::map<std::string, std::string>& metadata) {
-  return nlohmann::json(metadata).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 }  // namespace mwidth::record

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <string>
 #include <string_view>
 
@@ -26,8 +25,5 @@ std::string CsvCell(std::string_view text);
 /// A cell of a BIDS table: "n/a" where it is empty, control characters (tabs and line breaks among them)
 /// become spaces; quoted where it begins with a quote, which readers would take for theirs.
 std::string TsvCell(std::string_view text);
-
-/// One JSON object in one line; "{}" where there is nothing.
-std::string JsonText(const std::map<std::string, std::string>& metadata);
 
 }  // namespace mwidth::record

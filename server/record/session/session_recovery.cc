@@ -4,6 +4,7 @@
 
 #include "server/record/session/session_file.h"
 #include "server/record/session/session_reader.h"
+#include "server/record/session/wall_time.h"
 
 namespace mwidth::record {
 namespace {
@@ -25,11 +26,7 @@ int64_t EndOf(SessionReader& reader) {
       break;
     }
   }
-  int64_t offset_ns = info.start_wall_ns - info.start_monotonic_ns;
-  for (const WallClockStep& step : reader.WallClockSteps()) {
-    offset_ns = step.monotonic_ns <= monotonic_ns ? step.offset_ns : offset_ns;
-  }
-  return monotonic_ns + offset_ns;
+  return WallTime(info, reader.WallClockSteps(), monotonic_ns);
 }
 
 }  // namespace

@@ -1,29 +1,17 @@
 // A host made of files, in a folder that is gone when the test is over.
 #pragma once
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <stdexcept>
 #include <string>
 
 #include "server/doctor/host_files.h"
+#include "tests/support/temporary_folder.h"
 
 namespace mwidth::doctor {
 
 class FakeHost {
  public:
-  FakeHost() {
-    std::string name = (std::filesystem::temp_directory_path() / "mwidth-host-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) {
-      throw std::runtime_error("no folder to be had: " + name);
-    }
-    root_ = name;
-  }
-  FakeHost(const FakeHost&) = delete;
-  FakeHost& operator=(const FakeHost&) = delete;
-  ~FakeHost() { std::filesystem::remove_all(root_); }
-
   void Write(const std::string& file, const std::string& text) const {
     std::filesystem::create_directories((root_ / file).parent_path());
     std::ofstream(root_ / file) << text << "\n";
@@ -33,7 +21,8 @@ class FakeHost {
   HostFiles files() const { return HostFiles(root_); }
 
  private:
-  std::filesystem::path root_;
+  TemporaryFolder temporary_;
+  std::filesystem::path root_ = temporary_.path();
 };
 
 /// Four CPUs, of which the last is a loop's alone; nothing to complain about.

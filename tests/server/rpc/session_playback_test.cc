@@ -9,6 +9,7 @@
 
 #include "server/record/session/session_file.h"
 #include "tests/server/record/session/recording.h"
+#include "tests/support/temporary_folder.h"
 
 namespace mwidth::rpc {
 namespace {
@@ -58,7 +59,7 @@ class SessionPlaybackTest : public testing::Test {
     return played;
   }
 
-  const record::TemporaryFolder folder_;
+  const TemporaryFolder folder_;
   const std::filesystem::path path_ = folder_ / "session.sqlite";
   std::vector<exchange::Sample> samples_;
 };

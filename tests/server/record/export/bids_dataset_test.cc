@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "server/record/export/file_set.h"
+#include "tests/support/temporary_folder.h"
 
 namespace mwidth::record {
 namespace {
@@ -14,18 +15,13 @@ namespace fs = std::filesystem;
 
 class BidsDatasetTest : public ::testing::Test {
  protected:
-  BidsDatasetTest() {
-    std::string name = (fs::temp_directory_path() / "bids_dataset_XXXXXX").string();
-    folder_ = mkdtemp(name.data());
-  }
-  ~BidsDatasetTest() override { fs::remove_all(folder_); }
-
   fs::path File(const std::string& text) const {
     WriteText(folder_ / "file", text);
     return folder_ / "file";
   }
 
-  fs::path folder_;
+  const TemporaryFolder temporary_;
+  const fs::path folder_ = temporary_.path();
 };
 
 TEST_F(BidsDatasetTest, ATableBeginsWithItsColumns) {

@@ -13,6 +13,7 @@
 
 #include "server/record/session/session_file.h"
 #include "tests/server/record/export/recorded_session.h"
+#include "tests/support/temporary_folder.h"
 
 namespace mwidth::record {
 namespace {
@@ -23,19 +24,14 @@ using ::testing::HasSubstr;
 
 class ExportTest : public ::testing::Test {
  protected:
-  ExportTest() {
-    std::string name = (fs::temp_directory_path() / "export_XXXXXX").string();
-    folder_ = mkdtemp(name.data());
-  }
-  ~ExportTest() override { fs::remove_all(folder_); }
-
   static std::string Read(const fs::path& file) {
     std::ostringstream text;
     text << std::ifstream(file).rdbuf();
     return text.str();
   }
 
-  fs::path folder_;
+  const TemporaryFolder temporary_;
+  const fs::path folder_ = temporary_.path();
 };
 
 TEST_F(ExportTest, ASessionWithoutSamplesIsExportedButAsBids) {

@@ -8,6 +8,8 @@
 #include <sstream>
 #include <system_error>
 
+#include "tests/support/temporary_folder.h"
+
 namespace mwidth::record {
 namespace {
 
@@ -22,18 +24,13 @@ std::string Read(const fs::path& file) {
 
 class FileSetTest : public ::testing::Test {
  protected:
-  FileSetTest() {
-    std::string name = (fs::temp_directory_path() / "file_set_XXXXXX").string();
-    folder_ = mkdtemp(name.data());
-  }
-  ~FileSetTest() override { fs::remove_all(folder_); }
-
   size_t Count() const {
     return static_cast<size_t>(
         std::distance(fs::recursive_directory_iterator(folder_), fs::recursive_directory_iterator()));
   }
 
-  fs::path folder_;
+  const TemporaryFolder temporary_;
+  const fs::path folder_ = temporary_.path();
 };
 
 TEST_F(FileSetTest, FilesAppearWithTheCommit) {

@@ -4,6 +4,8 @@
 
 #include <limits>
 
+#include "server/record/session/wall_time.h"
+
 namespace mwidth::record {
 namespace {
 

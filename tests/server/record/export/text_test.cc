@@ -1,5 +1,7 @@
 #include "server/record/export/text.h"
 
+#include "server/record/session/session_schema.h"
+
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -55,10 +57,10 @@ TEST(TextTest, TsvCellsStayInTheirPlace) {
 }
 
 TEST(TextTest, MetadataIsOneLineOfJson) {
-  EXPECT_EQ(JsonText({}), "{}");
-  EXPECT_EQ(JsonText({{"b", "2\n"}, {"a", "\"1\""}}), R"({"a":"\"1\"","b":"2\n"})");
+  EXPECT_EQ(MetadataText({}), "{}");
+  EXPECT_EQ(MetadataText({{"b", "2\n"}, {"a", "\"1\""}}), R"({"a":"\"1\"","b":"2\n"})");
   // What is no UTF-8 does not keep the rest from being exported.
-  EXPECT_EQ(JsonText({{"a", "\xFF"}}), "{\"a\":\"\xEF\xBF\xBD\"}");
+  EXPECT_EQ(MetadataText({{"a", "\xFF"}}), "{\"a\":\"\xEF\xBF\xBD\"}");
 }
 
 }  // namespace

@@ -1,17 +1,14 @@
-// Samples as the loop posts them, and a folder for their files.
+// Samples as the loop posts them.
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
-#include <stdexcept>
 #include <string>
 #include <vector>
-
-#include <stdlib.h>
 
 #include "server/record/session/derived_columns.h"
 #include "server/record/session/session_info.h"
 #include "tests/server/render/axis.h"
+#include "tests/support/temporary_folder.h"
 
 namespace mwidth::record {
 
@@ -101,28 +98,5 @@ inline bool SameSample(const exchange::Sample& a, const exchange::Sample& b) {
 inline bool SameSamples(const std::vector<exchange::Sample>& a, const std::vector<exchange::Sample>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), SameSample);
 }
-
-/// Goes away with everything in it.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "mwidth-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) {
-      throw std::runtime_error("no temporary folder");
-    }
-    path_ = name;
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  const std::filesystem::path& path() const { return path_; }
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-
- private:
-  std::filesystem::path path_;
-};
 
 }  // namespace mwidth::record
