@@ -18,7 +18,8 @@
 namespace mwidth::server {
 namespace {
 
-// How long a sample waits for its subscribers at most, and how many arrive at once.
+// How long a sample waits for its subscribers at most, and how many arrive at once; twice of it where all of
+// them want large batches.
 constexpr std::chrono::milliseconds kDrainPeriod{5};
 
 constexpr int64_t kNsPerUs = 1000;

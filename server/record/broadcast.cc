@@ -120,6 +120,13 @@ void Broadcast::Consume(std::shared_ptr<const SampleBlock> block) {
   }
 }
 
+bool Broadcast::eager() const {
+  const std::lock_guard lock(mutex_);
+  return std::any_of(groups_.begin(), groups_.end(), [](const auto& group) {
+    return group->cut.min_batch * group->cut.decimation < kPatientTicks;
+  });
+}
+
 void Broadcast::Close() {
   {
     const std::lock_guard lock(mutex_);

@@ -32,6 +32,8 @@ class Subscription;
 class Broadcast final : public SampleSink {
  public:
   static constexpr std::size_t kGroupSize = 64;
+  /// What a batch spans at least if its subscriber does not mind a few milliseconds: 0.1 s at 1 kHz.
+  static constexpr std::size_t kPatientTicks = 100;
 
   explicit Broadcast(Encode encode, BroadcastLimits limits = {});
   ~Broadcast() override;
@@ -46,6 +48,9 @@ class Broadcast final : public SampleSink {
   std::unique_ptr<Subscription> Subscribe(const Cut& cut, uint64_t first_tick, std::function<void()> notify);
 
   void Consume(std::shared_ptr<const SampleBlock> block) override;
+
+  /// Whether the batches of any subscriber may be shorter than kPatientTicks.
+  bool eager() const override;
 
   /// Hands out what was held back and ends every subscription, once what it has queued is taken. Any thread,
   /// when nobody consumes any more.

@@ -7,9 +7,9 @@
 
 namespace mwidth::record {
 
-Drain::Drain(SampleRing& ring, std::vector<SampleSink*> sinks, std::chrono::microseconds period)
-    : ring_(ring), sinks_(std::move(sinks)), period_(period) {
-  if (period_ <= std::chrono::microseconds::zero()) {
+Drain::Drain(SampleRing& ring, std::vector<SampleSink*> sinks, std::chrono::microseconds eager_period)
+    : ring_(ring), sinks_(std::move(sinks)), eager_period_(eager_period) {
+  if (eager_period_ <= std::chrono::microseconds::zero()) {
     throw std::invalid_argument("the drain's period must be above 0");
   }
 }
@@ -48,12 +48,18 @@ std::size_t Drain::DrainOnce() {
   return drained;
 }
 
+std::chrono::microseconds Drain::period() const {
+  const bool eager =
+      std::any_of(sinks_.begin(), sinks_.end(), [](const SampleSink* sink) { return sink->eager(); });
+  return eager ? eager_period_ : 2 * eager_period_;
+}
+
 void Drain::Run(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
   while (!stop.stop_requested()) {
     DrainOnce();
     // Nobody notifies but the stop token: this is a sleep that Stop ends at once.
-    stopping_.wait_for(lock, stop, period_, [] { return false; });
+    stopping_.wait_for(lock, stop, period(), [] { return false; });
   }
 }
 

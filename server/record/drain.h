@@ -24,10 +24,11 @@ class Drain {
   /// A block holds at most so many samples, however long the drain was held up.
   static constexpr std::size_t kMaxBlockSamples = 512;
 
-  /// Delivers to `sinks` in their order; ring and sinks outlive the drain. `period` bounds what the drain
-  /// adds to a sample's age; above 0, and well below the time in which the loop fills the ring (0.4 s at 10
-  /// kHz). Throws std::invalid_argument for a period that is not above 0.
-  Drain(SampleRing& ring, std::vector<SampleSink*> sinks, std::chrono::microseconds period);
+  /// Delivers to `sinks` in their order; ring and sinks outlive the drain. `eager_period`, or twice of it
+  /// while no sink is eager, bounds what the drain adds to a sample's age; above 0, and well below the time
+  /// in which the loop fills the ring (0.4 s at 10 kHz). Throws std::invalid_argument for one that is not
+  /// above 0.
+  Drain(SampleRing& ring, std::vector<SampleSink*> sinks, std::chrono::microseconds eager_period);
   Drain(const Drain&) = delete;
   Drain& operator=(const Drain&) = delete;
   /// Stops.
@@ -43,6 +44,9 @@ class Drain {
   /// caller while no thread runs.
   std::size_t DrainOnce();
 
+  /// How long it now waits before it looks again. By the thread, or while none runs.
+  std::chrono::microseconds period() const;
+
   /// Samples that the loop dropped since the start because the ring was full. Any thread.
   uint64_t dropped() const { return ring_.dropped(); }
 
@@ -51,7 +55,7 @@ class Drain {
 
   SampleRing& ring_;
   const std::vector<SampleSink*> sinks_;
-  const std::chrono::microseconds period_;
+  const std::chrono::microseconds eager_period_;
   std::mutex mutex_;
   std::condition_variable_any stopping_;
   std::jthread thread_;

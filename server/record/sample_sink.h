@@ -23,6 +23,10 @@ class SampleSink {
   /// Takes a share of the next block, which is not empty and never changes again. Returns soon: while it
   /// runs, the samples of every other sink wait in the ring. Does not throw. Called by the drain's thread.
   virtual void Consume(std::shared_ptr<const SampleBlock> block) = 0;
+
+  /// True where somebody waits for the next sample rather than for many: the drain then looks twice as often.
+  /// Called by the drain's thread.
+  virtual bool eager() const { return false; }
 };
 
 }  // namespace mwidth::record

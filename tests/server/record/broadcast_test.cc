@@ -75,6 +75,18 @@ TEST(BroadcastTest, EncodesABatchOnceForAllSubscribersOfOneCut) {
   EXPECT_EQ(TakeBytes(*other), " 0 2 4 6;");
 }
 
+TEST(BroadcastTest, IsEagerAsLongAsAnybodyWantsSmallBatches) {
+  Broadcast broadcast(EncodeTicks);
+  EXPECT_FALSE(broadcast.eager());
+  const auto patient = broadcast.Subscribe({.min_batch = 100, .max_batch = 100}, 0, Ignore);
+  const auto decimated = broadcast.Subscribe({.decimation = 10, .min_batch = 10}, 0, Ignore);
+  EXPECT_FALSE(broadcast.eager());
+  auto eager = broadcast.Subscribe({.min_batch = 99}, 0, Ignore);
+  EXPECT_TRUE(broadcast.eager());
+  eager.reset();
+  EXPECT_FALSE(broadcast.eager());
+}
+
 TEST(BroadcastTest, ASubscriptionBeginsWithItsFirstTickInTheMiddleOfABatch) {
   Broadcast broadcast(EncodeTicks);
   const Cut cut{.min_batch = 8, .max_batch = 8};

@@ -34,7 +34,10 @@ class Keeper final : public SampleSink {
     return ticks;
   }
 
+  bool eager() const override { return impatient; }
+
   std::vector<std::shared_ptr<const SampleBlock>> blocks;
+  bool impatient = false;
 };
 
 std::vector<uint64_t> Consecutive(uint64_t count) {
@@ -114,6 +117,14 @@ TEST_F(DrainTest, TakesOneRingfulAtMostHoweverFastTheLoopFillsIt) {
   Drain drain(*ring_, {&refill}, 1h);
   Push(0, exchange::kSampleRingCapacity);
   EXPECT_EQ(drain.DrainOnce(), exchange::kSampleRingCapacity);
+}
+
+TEST_F(DrainTest, LooksHalfAsOftenWhileNoSinkIsEager) {
+  Keeper second;
+  const Drain drain(*ring_, {&keeper_, &second}, 5ms);
+  EXPECT_EQ(drain.period(), 10ms);
+  second.impatient = true;
+  EXPECT_EQ(drain.period(), 5ms);
 }
 
 TEST_F(DrainTest, StopDeliversWhatIsLeft) {
