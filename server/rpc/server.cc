@@ -1,13 +1,14 @@
 #include "server/rpc/server.h"
 
+#include <absl/synchronization/mutex.h>
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
-#include <grpcpp/health_check_service_interface.h>
 #include <grpcpp/security/server_credentials.h>
 #include <grpcpp/server_builder.h>
 
 #include <cstdint>
 #include <limits>
 #include <stdexcept>
+#include <vector>
 
 namespace mwidth::rpc {
 namespace {
@@ -36,13 +37,27 @@ std::string HostOf(const std::string& address) {
   return host;
 }
 
+std::vector<std::string> ServicesOf(bool recording) {
+  std::vector<std::string> services = {"mwidth.v1.RenderingService", "mwidth.v1.StabilityService",
+                                       "mwidth.v1.TelemetryService"};
+  if (recording) {
+    services.emplace_back("mwidth.v1.SessionService");
+  }
+  return services;
+}
+
 }  // namespace
 
 Server::Server(const AxisRegistry& axes, const std::string& address, const std::string& server_version,
                std::optional<Recording> recording)
-    : rendering_(axes, server_version), stability_(axes), telemetry_(axes) {
+    : rendering_(axes, server_version),
+      stability_(axes),
+      telemetry_(axes),
+      health_(ServicesOf(recording.has_value())) {
+  // Debian builds abseil, which gRPC locks with, to look for cycles of locks at each of them: one part in
+  // sixteen of what a stream costs.
+  absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
   const std::string host = HostOf(address);
-  grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
   int port = 0;
@@ -55,10 +70,14 @@ Server::Server(const AxisRegistry& axes, const std::string& address, const std::
   builder.SetMaxReceiveMessageSize(kMaxRequestBytes);
   builder.RegisterService(&rendering_);
   builder.RegisterService(&stability_);
-  telemetry_.AddTo(builder);
+  builder.RegisterService(&telemetry_);
+  builder.RegisterService(&health_);
   if (recording) {
     builder.RegisterService(&sessions_.emplace(axes, *std::move(recording)));
   }
+  telemetry_.AddStreamsTo(streams_);
+  health_.AddStreamsTo(streams_);
+  streams_.AddTo(builder);
   server_ = builder.BuildAndStart();
   if (!server_ || port == 0) {
     throw std::runtime_error(
@@ -66,23 +85,16 @@ Server::Server(const AxisRegistry& axes, const std::string& address, const std::
         ": is it an address of this host, and does no other server (another mwidthd, say) "
         "listen there already?");
   }
-  telemetry_.Start();
+  streams_.Start();
   address_ = host + ":" + std::to_string(port);
-  for (const char* service :
-       {"mwidth.v1.RenderingService", "mwidth.v1.StabilityService", "mwidth.v1.TelemetryService"}) {
-    server_->GetHealthCheckService()->SetServingStatus(service, true);
-  }
-  if (sessions_) {
-    server_->GetHealthCheckService()->SetServingStatus("mwidth.v1.SessionService", true);
-  }
 }
 
 Server::~Server() { Shutdown(std::chrono::milliseconds(0)); }
 
 void Server::Shutdown(std::chrono::milliseconds patience) {
-  server_->GetHealthCheckService()->SetServingStatus(false);
+  health_.StopServing();
   server_->Shutdown(std::chrono::system_clock::now() + patience);
-  telemetry_.Stop();
+  streams_.Stop();
 }
 
 }  // namespace mwidth::rpc

@@ -9,9 +9,11 @@
 #include <string>
 
 #include "server/rpc/axis_registry.h"
+#include "server/rpc/health_service.h"
 #include "server/rpc/rendering_service.h"
 #include "server/rpc/session_service.h"
 #include "server/rpc/stability_service.h"
+#include "server/rpc/stream_thread.h"
 #include "server/rpc/telemetry_service.h"
 
 namespace mwidth::rpc {
@@ -46,6 +48,8 @@ class Server {
   StabilityService stability_;
   TelemetryService telemetry_;
   std::optional<SessionService> sessions_;
+  HealthService health_;
+  StreamThread streams_;
   std::string address_;
   std::unique_ptr<grpc::Server> server_;
 };

@@ -1,52 +1,36 @@
 #include "server/rpc/telemetry_service.h"
 
 #include <chrono>
-#include <cstdint>
-#include <optional>
-#include <string>
 #include <utility>
-
-#include <grpcpp/support/server_callback.h>
 
 #include "server/exchange/clock.h"
 #include "server/gate/refusal.h"
-#include "server/record/event_log.h"
 #include "server/rpc/convert_record.h"
-#include "server/rpc/event_stream.h"
+#include "server/rpc/event_source.h"
+#include "server/rpc/sample_source.h"
 #include "server/rpc/status.h"
 
 namespace mwidth::rpc {
 
-TelemetryService::TelemetryService(const AxisRegistry& axes)
-    : axes_(axes),
-      streams_(axes, [this](grpc::ServerContext& context, grpc::ByteBuffer& request,
-                            grpc::ServerAsyncWriter<grpc::ByteBuffer>& writer,
-                            grpc::ServerCompletionQueue& queue, void* tag) {
-        RequestStreamSamples(&context, &request, &writer, &queue, &queue, tag);
-      }) {}
-
-void TelemetryService::AddTo(grpc::ServerBuilder& builder) {
-  streams_.AddTo(builder);
-  builder.RegisterService(this);
-}
-
-grpc::ServerWriteReactor<v1::StreamEventsResponse>* TelemetryService::StreamEvents(
-    grpc::CallbackServerContext* /*context*/, const v1::StreamEventsRequest* request) {
-  EventStream* stream = nullptr;
-  const grpc::Status status = Guarded("StreamEvents", [&]() -> grpc::Status {
-    const gate::Result<const Axis*> axis = axes_.Find(request->axis());
-    if (!axis.ok()) {
-      return ToStatus(axis.refusal());
-    }
-    record::EventLog& events = (*axis)->events;
-    const uint64_t after = request->has_after_number() ? request->after_number() : events.newest();
-    stream = EventStream::Open((*axis)->name, events, after);
-    return grpc::Status::OK;
-  });
-  if (stream != nullptr) {
-    return stream;
-  }
-  return new RefusedStream<v1::StreamEventsResponse>(status);
+void TelemetryService::AddStreamsTo(StreamThread& thread) {
+  thread.Add(
+      {.name = "StreamSamples",
+       .request_call =
+           [this](auto& context, auto& request, auto& writer, auto& queue, void* tag) {
+             RequestStreamSamples(&context, &request, &writer, &queue, &queue, tag);
+           },
+       .open = OpenParsed<v1::StreamSamplesRequest>([this](const auto& request, auto wake, auto& refusal) {
+         return OpenSamples(axes_, request, std::move(wake), refusal);
+       })});
+  thread.Add(
+      {.name = "StreamEvents",
+       .request_call =
+           [this](auto& context, auto& request, auto& writer, auto& queue, void* tag) {
+             RequestStreamEvents(&context, &request, &writer, &queue, &queue, tag);
+           },
+       .open = OpenParsed<v1::StreamEventsRequest>([this](const auto& request, auto wake, auto& refusal) {
+         return OpenEvents(axes_, request, std::move(wake), refusal);
+       })});
 }
 
 grpc::Status TelemetryService::SyncClock(grpc::ServerContext*, const v1::SyncClockRequest* request,

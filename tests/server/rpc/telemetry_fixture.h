@@ -85,16 +85,18 @@ class TelemetryFixture : public testing::Test {
     grpc::ServerBuilder builder;
     int port = 0;
     builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port);
-    service_.AddTo(builder);
+    builder.RegisterService(&service_);
+    service_.AddStreamsTo(streams_);
+    streams_.AddTo(builder);
     server_ = builder.BuildAndStart();
-    service_.Start();
+    streams_.Start();
     channel_ = grpc::CreateChannel("127.0.0.1:" + std::to_string(port), grpc::InsecureChannelCredentials());
     stub_ = v1::TelemetryService::NewStub(channel_);
   }
 
   ~TelemetryFixture() override {
     server_->Shutdown(std::chrono::system_clock::now());
-    service_.Stop();
+    streams_.Stop();
   }
 
   static v1::StreamSamplesRequest Request(uint32_t decimation, uint32_t max_batch, const std::string& axis) {
@@ -131,6 +133,7 @@ class TelemetryFixture : public testing::Test {
   record::EventLog events_{clock_};
   AxisRegistry axes_;
   TelemetryService service_{axes_};
+  StreamThread streams_;
   std::unique_ptr<grpc::Server> server_;
   std::shared_ptr<grpc::Channel> channel_;
   std::unique_ptr<v1::TelemetryService::Stub> stub_;

@@ -1,4 +1,4 @@
-#include "server/rpc/event_stream.h"
+#include "server/rpc/event_source.h"
 
 #include <chrono>
 #include <memory>
@@ -13,7 +13,7 @@ namespace {
 
 using record::EventKind;
 
-class EventStreamTest : public TelemetryFixture {
+class EventSourceTest : public TelemetryFixture {
  protected:
   struct Call {
     grpc::ClientContext context;
@@ -45,10 +45,10 @@ class EventStreamTest : public TelemetryFixture {
     return call;
   }
 
-  ~EventStreamTest() override { events_.Close(); }
+  ~EventSourceTest() override { events_.Close(); }
 };
 
-TEST_F(EventStreamTest, SendsWhatHappensFromNowOn) {
+TEST_F(EventSourceTest, SendsWhatHappensFromNowOn) {
   events_.Publish(EventKind::kStateChanged, "before");
   const auto call = Open();
   events_.Publish(EventKind::kMassSet, "after", {{"mass", "0.5"}}, 12);
@@ -61,7 +61,7 @@ TEST_F(EventStreamTest, SendsWhatHappensFromNowOn) {
   EXPECT_EQ(event.metadata().at("mass"), "0.5");
 }
 
-TEST_F(EventStreamTest, GoesOnWhereAReaderLeftOff) {
+TEST_F(EventSourceTest, GoesOnWhereAReaderLeftOff) {
   for (int i = 0; i < 3; ++i) {
     events_.Publish(EventKind::kStateChanged, "one of three");
   }
@@ -69,7 +69,7 @@ TEST_F(EventStreamTest, GoesOnWhereAReaderLeftOff) {
   EXPECT_EQ(Open(0)->Read().event().number(), 1);
 }
 
-TEST_F(EventStreamTest, TellsWhatAReaderLost) {
+TEST_F(EventSourceTest, TellsWhatAReaderLost) {
   for (std::size_t i = 0; i < record::EventLog::kRemembered + 7; ++i) {
     events_.Publish(EventKind::kStateChanged, "one of many");
   }
@@ -78,7 +78,7 @@ TEST_F(EventStreamTest, TellsWhatAReaderLost) {
   EXPECT_EQ(response.event().number(), 8);
 }
 
-TEST_F(EventStreamTest, EndsWhenTheServerDoes) {
+TEST_F(EventSourceTest, EndsWhenTheServerDoes) {
   const auto call = Open();
   events_.Publish(EventKind::kServerStopping, "the last one");
   events_.Close();
@@ -86,7 +86,7 @@ TEST_F(EventStreamTest, EndsWhenTheServerDoes) {
   ExpectStatus(call->Finish(), grpc::StatusCode::UNAVAILABLE, "SHUTTING_DOWN");
 }
 
-TEST_F(EventStreamTest, IsOneOfALimitedNumber) {
+TEST_F(EventSourceTest, IsOneOfALimitedNumber) {
   std::vector<std::unique_ptr<Call>> calls;
   for (std::size_t i = 0; i < kMaxEventStreams; ++i) {
     calls.push_back(Open());
@@ -94,11 +94,11 @@ TEST_F(EventStreamTest, IsOneOfALimitedNumber) {
   ExpectStatus(Open()->Finish(), grpc::StatusCode::RESOURCE_EXHAUSTED, "TOO_MANY_STREAMS");
 }
 
-TEST_F(EventStreamTest, RefusesAnUnknownAxis) {
+TEST_F(EventSourceTest, RefusesAnUnknownAxis) {
   ExpectStatus(Open(std::nullopt, "knee")->Finish(), grpc::StatusCode::NOT_FOUND, "UNKNOWN_AXIS");
 }
 
-TEST_F(EventStreamTest, TheClockIsTheOneThatDatesSamples) {
+TEST_F(EventSourceTest, TheClockIsTheOneThatDatesSamples) {
   v1::SyncClockRequest request;
   request.set_client_send_ns(-17);
   v1::SyncClockResponse response;

@@ -1,26 +1,29 @@
-#include "server/rpc/sample_streams.h"
+#include "server/rpc/stream_thread.h"
 
 #include <utility>
 
 #include <grpc/support/time.h>
 
-#include "server/rpc/sample_stream.h"
+#include "server/rpc/stream_call.h"
 
 namespace mwidth::rpc {
 
-SampleStreams::SampleStreams(const AxisRegistry& axes, RequestCall request_call)
-    : axes_(axes), request_call_(std::move(request_call)) {}
+StreamThread::~StreamThread() { Stop(); }
 
-SampleStreams::~SampleStreams() { Stop(); }
+void StreamThread::AddTo(grpc::ServerBuilder& builder) { queue_ = builder.AddCompletionQueue(); }
 
-void SampleStreams::AddTo(grpc::ServerBuilder& builder) { queue_ = builder.AddCompletionQueue(); }
+void StreamThread::Add(StreamMethod method) {
+  methods_.push_back(std::make_unique<const StreamMethod>(std::move(method)));
+}
 
-void SampleStreams::Start() {
-  Accept();
+void StreamThread::Start() {
+  for (const auto& method : methods_) {
+    Accept(*method);
+  }
   thread_ = std::thread([this] { Run(); });
 }
 
-void SampleStreams::Stop() {
+void StreamThread::Stop() {
   if (!thread_.joinable()) {
     return;
   }
@@ -34,30 +37,30 @@ void SampleStreams::Stop() {
   thread_.join();
 }
 
-void SampleStreams::Accept() {
+void StreamThread::Accept(const StreamMethod& method) {
   if (open_) {
-    SampleStream::Await(*this);
+    StreamCall::Await(*this, method);
   }
 }
 
-void SampleStreams::Wake(SampleStream& stream) {
+void StreamThread::Wake(StreamCall& call) {
   const std::lock_guard lock(mutex_);
   if (stopping_) {
     return;
   }
-  woken_.push_back(&stream);
-  // One wake-up, however many streams.
+  woken_.push_back(&call);
+  // One wake-up, however many calls.
   if (!std::exchange(waking_, true)) {
     alarm_.Set(queue_.get(), gpr_now(GPR_CLOCK_MONOTONIC), &awake_);
   }
 }
 
-void SampleStreams::Forget(SampleStream& stream) {
+void StreamThread::Forget(StreamCall& call) {
   const std::lock_guard lock(mutex_);
-  std::erase(woken_, &stream);
+  std::erase(woken_, &call);
 }
 
-void SampleStreams::Run() {
+void StreamThread::Run() {
   void* tag = nullptr;
   bool ok = false;
   while (queue_->Next(&tag, &ok)) {
@@ -65,20 +68,20 @@ void SampleStreams::Run() {
   }
 }
 
-void SampleStreams::AdvanceWoken() {
-  std::vector<SampleStream*> woken;
+void StreamThread::AdvanceWoken() {
+  std::vector<StreamCall*> woken;
   {
     const std::lock_guard lock(mutex_);
     waking_ = false;
     woken.swap(woken_);
     if (stopping_ && open_) {
-      // By this thread, so that no stream begins anything afterwards.
+      // By this thread, so that no call begins anything afterwards.
       open_ = false;
       queue_->Shutdown();
     }
   }
-  for (SampleStream* stream : woken) {
-    stream->Advance();
+  for (StreamCall* call : woken) {
+    call->Advance();
   }
 }
 

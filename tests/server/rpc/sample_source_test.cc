@@ -1,4 +1,4 @@
-#include "server/rpc/sample_stream.h"
+#include "server/rpc/sample_source.h"
 
 #include <gmock/gmock.h>
 #include <grpcpp/grpcpp.h>
@@ -24,9 +24,9 @@ namespace {
 
 using record::BlockOf;
 
-using SampleStreamTest = TelemetryFixture;
+using SampleSourceTest = TelemetryFixture;
 
-TEST_F(SampleStreamTest, NumbersTicksConsecutivelyOverManyBatches) {
+TEST_F(SampleSourceTest, NumbersTicksConsecutivelyOverManyBatches) {
   std::mt19937 random(1);
   Stream stream = Open();
   uint64_t tick = 1000;
@@ -41,7 +41,7 @@ TEST_F(SampleStreamTest, NumbersTicksConsecutivelyOverManyBatches) {
   EXPECT_EQ(stream.absent(), 0);
 }
 
-TEST_F(SampleStreamTest, ReportsAGapExactly) {
+TEST_F(SampleSourceTest, ReportsAGapExactly) {
   Stream stream = Open();
   broadcast_.Consume(BlockOf(1, 9));
   stream.ReadUpTo(10);
@@ -53,7 +53,7 @@ TEST_F(SampleStreamTest, ReportsAGapExactly) {
   EXPECT_EQ(batch->dropped_ticks_before(), 2);
 }
 
-TEST_F(SampleStreamTest, ASlowReaderLosesSamplesAloneAndIsToldSo) {
+TEST_F(SampleSourceTest, ASlowReaderLosesSamplesAloneAndIsToldSo) {
   constexpr std::size_t kBlock = 500;
   Stream slow = Open();
   Stream fast = Open();
@@ -85,7 +85,7 @@ TEST_F(SampleStreamTest, ASlowReaderLosesSamplesAloneAndIsToldSo) {
   EXPECT_EQ(fast.absent(), 0);
 }
 
-TEST_F(SampleStreamTest, HoldsSmallBatchesBackUntilTheyAreFullOrAGapOrTheEndComes) {
+TEST_F(SampleSourceTest, HoldsSmallBatchesBackUntilTheyAreFullOrAGapOrTheEndComes) {
   v1::StreamSamplesRequest request;
   request.set_min_batch(20);
   request.set_max_batch(20);
@@ -105,7 +105,7 @@ TEST_F(SampleStreamTest, HoldsSmallBatchesBackUntilTheyAreFullOrAGapOrTheEndCome
   EXPECT_EQ(stream.absent(), 5);
 }
 
-TEST_F(SampleStreamTest, StreamsOfOneCutAreSentTheSameBytes) {
+TEST_F(SampleSourceTest, StreamsOfOneCutAreSentTheSameBytes) {
   std::vector<std::unique_ptr<Stream>> streams;
   for (std::size_t i = 0; i < kMaxStreams; ++i) {
     streams.push_back(std::make_unique<Stream>(*stub_, Request(2, 0, "")));
@@ -121,7 +121,7 @@ TEST_F(SampleStreamTest, StreamsOfOneCutAreSentTheSameBytes) {
   }
 }
 
-TEST_F(SampleStreamTest, RefusesMoreStreamsThanTheLimitUntilOneEnds) {
+TEST_F(SampleSourceTest, RefusesMoreStreamsThanTheLimitUntilOneEnds) {
   std::vector<std::unique_ptr<Stream>> streams;
   for (std::size_t i = 0; i < kMaxStreams; ++i) {
     streams.push_back(std::make_unique<Stream>(*stub_, Request(0, 0, "")));
@@ -137,7 +137,7 @@ TEST_F(SampleStreamTest, RefusesMoreStreamsThanTheLimitUntilOneEnds) {
   EXPECT_NE(late.Read(), nullptr);
 }
 
-TEST_F(SampleStreamTest, EndsAStreamAfterItsLastSampleWhenTheBroadcastCloses) {
+TEST_F(SampleSourceTest, EndsAStreamAfterItsLastSampleWhenTheBroadcastCloses) {
   Stream stream = Open(1, 10);
   broadcast_.Consume(BlockOf(1, 95));
   broadcast_.Close();
@@ -147,7 +147,7 @@ TEST_F(SampleStreamTest, EndsAStreamAfterItsLastSampleWhenTheBroadcastCloses) {
   EXPECT_EQ(Refusal(0, 0).error_code(), grpc::StatusCode::UNAVAILABLE);
 }
 
-TEST_F(SampleStreamTest, TheServerShutsDownUnderOpenStreams) {
+TEST_F(SampleSourceTest, TheServerShutsDownUnderOpenStreams) {
   Stream idle = Open();
   Stream stuck = Open();
   for (uint64_t tick = 1; tick < 20'000; tick += 500) {
@@ -155,12 +155,12 @@ TEST_F(SampleStreamTest, TheServerShutsDownUnderOpenStreams) {
     idle.ReadUpTo(tick + 1);
   }
   server_->Shutdown(std::chrono::system_clock::now());
-  service_.Stop();
+  streams_.Stop();
   EXPECT_EQ(broadcast_.subscribers(), 0);
   EXPECT_FALSE(stuck.Finish().ok());
 }
 
-TEST_F(SampleStreamTest, AccountsForEveryTickWhileTwentySubscribersComeAndGo) {
+TEST_F(SampleSourceTest, AccountsForEveryTickWhileTwentySubscribersComeAndGo) {
   std::atomic<std::size_t> visitors = kMaxStreams;
   std::vector<std::thread> threads;
   threads.reserve(kMaxStreams);
