@@ -5,6 +5,7 @@
 #include <grpcpp/security/credentials.h>
 
 #include "client/cpp/call.h"
+#include "client/cpp/channel_arguments.h"
 #include "client/cpp/read_stream.h"
 
 namespace mwidth::client {
@@ -32,10 +33,8 @@ bool WaitUntilConnected(grpc::Channel& channel, Seconds timeout) {
 }  // namespace
 
 Client Client::Connect(const std::string& address, Seconds timeout) {
-  grpc::ChannelArguments arguments;
-  // A web proxy from the environment must not come between a laboratory's client and its robot.
-  arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
-  const auto channel = grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+  const auto channel =
+      grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), ChannelArguments());
   if (!WaitUntilConnected(*channel, timeout)) {
     throw Error(grpc::Status(grpc::StatusCode::UNAVAILABLE,
                              "no server answers at " + address + "; start mwidthd or check the address"));

@@ -1,6 +1,7 @@
 """Everything that a client may ask of one server."""
 
 import grpc
+from grpc import experimental
 
 from mwidth import analyses, clock, failure
 from mwidth.control import Control, to_duration
@@ -19,8 +20,16 @@ from mwidth.v1 import (
     telemetry_pb2_grpc,
 )
 
-# A web proxy from the environment must not come between a laboratory's client and its robot.
-_OPTIONS = (("grpc.enable_http_proxy", 0),)
+_OPTIONS = (
+    # A web proxy from the environment must not come between a laboratory's client and its robot.
+    ("grpc.enable_http_proxy", 0),
+    # Not to measure the connection's bandwidth by pings, of which each wakes client and server: samples come at a steady
+    # rate. A window of a fixed size lets a stored session through at 256 KiB a round trip.
+    ("grpc.http2.bdp_probe", 0),
+    ("grpc.http2.lookahead_bytes", 256 * 1024),
+    # Whoever iterates over a stream also reads it: a thread between them would have to be woken for each message.
+    (experimental.ChannelOptions.SingleThreadedUnaryStream, 1),
+)
 
 # Bound on what the server computes for longer: sweeps, simulations, and proofs over an envelope.
 _ANALYSIS_TIMEOUT_S = 300

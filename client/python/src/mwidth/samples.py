@@ -61,23 +61,46 @@ _DTYPES = {
 _EXTREMES = tuple(f"{of}_{bound}" for of in ("position", "velocity", "acceleration", "force") for bound in ("min", "max"))
 
 
-def from_message(batch):
+class _ReceivedBatch(SampleBatch):
+    """A SampleBatch whose columns become arrays when they are first asked for: most readers want few of them, and
+    making all takes longer than receiving them.
+    """
+
+    def __init__(self, message):
+        self.__dict__.update(
+            _message=message,
+            missed_ticks_before=message.missed_ticks_before,
+            dropped_ticks_before=message.dropped_ticks_before,
+        )
+        self.__dict__.update(
+            {name: np.fromiter(getattr(message, name), np.float64) for name in _EXTREMES if getattr(message, name)}
+        )
+
+    def __getattr__(self, name):
+        if name == "tick":
+            column = self._ticks()
+        elif name in _DTYPES:
+            # fromiter takes two thirds of the time of array, which looks at every element twice.
+            column = np.fromiter(getattr(self._message, name), _DTYPES[name])
+            if name == "acceleration_counts" and not len(column):  # a server from before accelerometers
+                column = np.zeros(len(self), dtype=np.int32)
+        else:
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        self.__dict__[name] = column
+        return column
+
+    def __len__(self):
+        return len(self._message.position)
+
+    def _ticks(self):
+        # A server that left the decimation unset sent every tick.
+        step = np.uint64(max(1, self._message.decimation))
+        return np.uint64(self._message.first_tick) + np.arange(len(self), dtype=np.uint64) * step
+
+
+def from_message(message):
     """SampleBatch of a mwidth.v1.SampleBatch."""
-    count = len(batch.position)
-    # fromiter takes two thirds of the time of array, which looks at every element twice.
-    columns = {name: np.fromiter(getattr(batch, name), dtype) for name, dtype in _DTYPES.items()}
-    if not batch.acceleration_counts:  # a server from before accelerometers
-        columns["acceleration_counts"] = np.zeros(count, dtype=np.int32)
-    columns |= {name: np.fromiter(getattr(batch, name), np.float64) for name in _EXTREMES if getattr(batch, name)}
-    # A server that left the decimation unset sent every tick.
-    step = max(1, batch.decimation)
-    tick = np.uint64(batch.first_tick) + np.arange(count, dtype=np.uint64) * np.uint64(step)
-    return SampleBatch(
-        tick=tick,
-        missed_ticks_before=batch.missed_ticks_before,
-        dropped_ticks_before=batch.dropped_ticks_before,
-        **columns,
-    )
+    return _ReceivedBatch(message)
 
 
 def concatenate(batches):
