@@ -14,6 +14,7 @@
 #include <system_error>
 #include <vector>
 
+#include "client/cpp/channel_arguments.h"
 #include "mwidth/v1/telemetry.grpc.pb.h"
 
 namespace mwidth::bench {
@@ -101,7 +102,7 @@ void ReadGrpc(const std::string& address, std::size_t subscribers, std::size_t b
   request.set_max_batch(static_cast<uint32_t>(batch));
   for (std::size_t i = 0; i < subscribers; ++i) {
     auto call = std::make_unique<Call>();
-    grpc::ChannelArguments arguments;
+    grpc::ChannelArguments arguments = client::ChannelArguments();
     arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
     call->channel = grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
     call->stub = v1::TelemetryService::NewStub(call->channel);

@@ -1,4 +1,4 @@
-// Three ways to bring 1000 samples a second to many subscribers.
+// Four ways to bring 1000 samples a second to many subscribers.
 #pragma once
 
 #include <memory>
@@ -25,6 +25,9 @@ std::unique_ptr<StreamServer> MakeSharedServer();
 /// What one would write first: gRPC's synchronous API, one thread a subscriber that waits for each tick and
 /// writes a message with its one sample. Waits for slow readers.
 std::unique_ptr<StreamServer> MakeNaiveServer();
+/// What gRPC itself costs: one thread and one completion queue, which write the same bytes to each call and
+/// do nothing else; no health service, no counts of what is lost. Runs until the process ends.
+std::unique_ptr<StreamServer> MakeBareGrpcServer(std::size_t batch);
 /// No gRPC at all: every `batch` ticks one send() of the same bytes, behind their length, to each connection.
 std::unique_ptr<StreamServer> MakeTcpServer(std::size_t batch);
 

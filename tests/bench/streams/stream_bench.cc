@@ -1,6 +1,6 @@
 // One end of the comparison, as a process of its own: compare_delivery runs them.
 //
-//   mwidth_stream_bench serve shared|naive|tcp BATCH
+//   mwidth_stream_bench serve shared|naive|grpc|tcp BATCH
 //   mwidth_stream_bench read grpc|tcp BATCH ADDRESS SUBSCRIBERS
 //
 // A server prints "listening on HOST:PORT". Each answers every line of standard input with its figures so
@@ -33,6 +33,7 @@ double CpuS() {
 int Serve(const std::string& kind, std::size_t batch) {
   const auto server = kind == "shared"  ? MakeSharedServer()
                       : kind == "naive" ? MakeNaiveServer()
+                      : kind == "grpc"  ? MakeBareGrpcServer(batch)
                                         : MakeTcpServer(batch);
   std::cout << "listening on " << server->address() << std::endl;
   for (std::string line; std::getline(std::cin, line);) {
