@@ -179,20 +179,20 @@ grpc::Status SessionService::AddMarker(grpc::ServerContext*, const v1::AddMarker
                                        v1::AddMarkerResponse* response) {
   return OnAxis(
       "AddMarker", axes_, request->axis(),
-      [&](const Axis& axis) -> gate::Result<record::Marker> {
-        auto marker = ReadMarker(*request, axis.clock.NowNs());
+      [&](const Axis& axis) -> gate::Result<record::RecordedMarker> {
+        const auto marker = ReadMarker(*request, axis.clock.NowNs());
         if (!marker.ok()) {
-          return marker;
+          return marker.refusal();
         }
         if (axis.recorder == nullptr) {
           return NothingRecords();
         }
-        if (const auto active = axis.recorder->Active()) {
-          response->set_session_id(active->id);
-        }
-        return OrRefusal<record::Marker>([&] { return axis.recorder->AddMarker(*marker); });
+        return OrRefusal<record::RecordedMarker>([&] { return axis.recorder->AddMarker(*marker); });
       },
-      [&](const record::Marker& marker) { Convert(marker, *response->mutable_marker()); });
+      [&](const record::RecordedMarker& recorded) {
+        response->set_session_id(recorded.session_id);
+        Convert(recorded.marker, *response->mutable_marker());
+      });
 }
 
 std::optional<record::SessionInfo> SessionService::ActiveOf(const std::string& session_id) const {

@@ -142,13 +142,13 @@ std::optional<SessionInfo> SessionRecorder::Active() const {
   return writer ? std::optional(writer->info()) : std::nullopt;
 }
 
-Marker SessionRecorder::AddMarker(const Marker& marker) {
+RecordedMarker SessionRecorder::AddMarker(const Marker& marker) {
   // Under the lock, so that the session does not end before it is in.
   const std::lock_guard lock(mutex_);
   if (!writer_) {
     throw SessionRefused(SessionRefusal::kNoSession, "nothing is being recorded: start a session first");
   }
-  return writer_->AddMarker(marker);
+  return {.marker = writer_->AddMarker(marker), .session_id = writer_->info().id};
 }
 
 void SessionRecorder::AddEvent(const Event& event) {

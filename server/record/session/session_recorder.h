@@ -22,6 +22,12 @@ struct SessionLimits {
   std::size_t queue_samples = 100'000;
 };
 
+/// A marker as it was numbered, and in which session.
+struct RecordedMarker {
+  Marker marker;
+  std::string session_id;
+};
+
 /// Stays attached to an axis's drain, and is idle without a session. A session has two threads of its own:
 /// one commits every kCommitPeriod, so that the death of this process loses no more; one brings the commits
 /// to the disk every kSyncPeriod, so that a loss of power does not either, and no commit waits for a slow
@@ -52,7 +58,7 @@ class SessionRecorder final : public SampleSink {
   std::optional<SessionInfo> Active() const;
 
   /// Numbers a marker and records it. Throws SessionRefused: kNoSession, kStorageFailed.
-  Marker AddMarker(const Marker& marker);
+  RecordedMarker AddMarker(const Marker& marker);
   /// Does nothing without a session.
   void AddEvent(const Event& event);
 

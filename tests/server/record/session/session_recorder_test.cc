@@ -79,7 +79,9 @@ TEST_F(SessionRecorderTest, RecordsFromStartToEnd) {
   EXPECT_EQ(recorder_.Active()->id, started.id);
   const std::vector<Sample> samples = Feed(5000);
   recorder_.AddEvent({.number = 3, .message = "", .metadata = {}});
-  EXPECT_EQ(recorder_.AddMarker({.label = "go", .kind = "", .metadata = {}}).number, 1);
+  const RecordedMarker go = recorder_.AddMarker({.label = "go", .kind = "", .metadata = {}});
+  EXPECT_EQ(go.marker.number, 1);
+  EXPECT_EQ(go.session_id, started.id);
   const SessionInfo ended = recorder_.End(started.id);
   EXPECT_EQ(ended.state, SessionState::kEnded);
   EXPECT_EQ(ended.sample_count, 5000);
@@ -154,7 +156,7 @@ TEST_F(SessionRecorderTest, IsStillRecordedAndLosesNothingWhereItCannotBeEnded) 
     EXPECT_EQ(RefusalOf([this] { Start(); }), SessionRefusal::kSessionOpen);
   }
   feed();
-  EXPECT_EQ(recorder_.AddMarker({}).number, 1);
+  EXPECT_EQ(recorder_.AddMarker({}).marker.number, 1);
   const SessionInfo ended = recorder_.End(info.id);
   EXPECT_EQ(ended.state, SessionState::kEnded);
   EXPECT_EQ(ended.sample_count, samples.size());
