@@ -20,7 +20,9 @@ LAYERS = {
     # Derived columns are computed again by what computed them first: the estimators and the force law.
     "server/record": ("server/exchange/", "server/model/estimator", "server/render/force_law.h", "server/render/limits.h",
                       "SQLiteCpp/", "sqlite3.h", "zstd.h", "xxhash.h", "hdf5.h", "nlohmann/"),
-    "server/rpc": ("server/gate/", "server/record/", "server/model/", "server/exchange/") + PROTO,
+    # abseil is what gRPC locks with: how is set where gRPC is used.
+    "server/rpc": ("server/gate/", "server/record/", "server/model/", "server/exchange/", "absl/synchronization/mutex.h")
+    + PROTO,
     # Reads the host's own files and nothing of the server's, so that it can judge a host before anything runs.
     "server/doctor": ("nlohmann/",),
     "client": ("server/model/", "CLI/", "nlohmann/") + PROTO,
