@@ -41,21 +41,6 @@ inline const Display& DisplayOf(bool rotary) {
   return rotary ? kRotary : kLinear;
 }
 
-/// "idle", "ready", "rendering", "fault".
-inline const char* StateWord(exchange::State state) {
-  switch (state) {
-    case exchange::State::kIdle:
-      return "idle";
-    case exchange::State::kReady:
-      return "ready";
-    case exchange::State::kRendering:
-      return "rendering";
-    case exchange::State::kFault:
-      return "fault";
-  }
-  return "unknown";
-}
-
 /// "filtered-difference, 20 Hz".
 std::string FilterWords(const exchange::Filter& filter);
 

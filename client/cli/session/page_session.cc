@@ -4,6 +4,7 @@
 #include "client/cli/session/display.h"
 #include "client/cli/session/html.h"
 #include "client/cli/session/page.h"
+#include "server/record/export/columns.h"
 
 namespace mwidth::cli::session {
 namespace {
@@ -149,7 +150,8 @@ Picture OverviewPicture(const Analysis& analysis) {
                               .height = 90}}};
   for (const Overview::StateSpan& span : overview.states()) {
     if (span.state == exchange::State::kRendering || span.state == exchange::State::kFault) {
-      picture.bands.push_back({StateWord(span.state), span.from_s, span.to_s, StateWord(span.state)});
+      const std::string word(record::StateWord(span.state));
+      picture.bands.push_back({word, span.from_s, span.to_s, word});
     }
   }
   const auto second_of = [&](uint64_t tick) {
@@ -165,7 +167,7 @@ Picture OverviewPicture(const Analysis& analysis) {
   }
   for (const record::Event& event : analysis.events) {
     if (event.kind == record::EventKind::kFault || event.kind == record::EventKind::kEmergencyStop) {
-      picture.marks.push_back({"fault-moment", second_of(event.tick), StateWord(exchange::State::kFault)});
+      picture.marks.push_back({"fault-moment", second_of(event.tick), "fault"});
     }
   }
   std::stable_sort(picture.marks.begin(), picture.marks.end(),
@@ -178,7 +180,7 @@ std::string StateTable(const Analysis& analysis) {
   for (std::size_t i = 0; i < analysis.overview.state_ticks().size(); ++i) {
     const uint64_t ticks = analysis.overview.state_ticks()[i];
     if (ticks > 0) {
-      rows += Row(StateWord(static_cast<exchange::State>(i)),
+      rows += Row(std::string(record::StateWord(static_cast<exchange::State>(i))),
                   Fixed(static_cast<double>(ticks) * analysis.info.axis.period_s, 2) + " s");
     }
   }
