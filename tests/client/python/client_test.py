@@ -1,6 +1,8 @@
 """The Python client against a server that answers as mwidthd does."""
 
+import dataclasses
 import math
+import pickle
 import threading
 import unittest
 
@@ -226,6 +228,19 @@ class SampleStreamTest(unittest.TestCase):
         joined = mwidth.concatenate([got, got])
         self.assertEqual(joined.position_min.tolist(), [0.5, 1.5, 0.5, 1.5])
         self.assertIsNone(joined.velocity_min)
+
+    def test_a_received_batch_is_a_dataclass_like_any_other(self):
+        got = samples.from_message(
+            telemetry_pb2.SampleBatch(first_tick=5, decimation=2, position=[1, 2], force=[3, 4], state=[1, 2]))
+        self.assertEqual(len(got), 2)
+        again = pickle.loads(pickle.dumps(got))
+        self.assertEqual((again.tick.tolist(), again.force.tolist()), ([5, 7], [3, 4]))
+        moved = dataclasses.replace(got, position=got.position + 1)
+        self.assertEqual((moved.position.tolist(), moved.force.tolist(), len(moved)), ([2, 3], [3, 4], 2))
+        with self.assertRaises(AttributeError):
+            got.nothing
+        with self.assertRaises(dataclasses.FrozenInstanceError):
+            got.position = moved.position
 
     def test_what_follows_a_batch_in_its_message_goes_on_with_it_and_stands_in_place_of_its_fields(self):
         """As mwidthd joins batches that waited, and tells a slow reader alone what it lost."""

@@ -66,15 +66,19 @@ class _ReceivedBatch(SampleBatch):
     making all takes longer than receiving them.
     """
 
-    def __init__(self, message):
-        self.__dict__.update(
+    @classmethod
+    def of(cls, message):
+        # Not by __init__, which is that of any SampleBatch, as dataclasses.replace needs it.
+        batch = cls.__new__(cls)
+        batch.__dict__.update(
             _message=message,
             missed_ticks_before=message.missed_ticks_before,
             dropped_ticks_before=message.dropped_ticks_before,
         )
-        self.__dict__.update(
+        batch.__dict__.update(
             {name: np.fromiter(getattr(message, name), np.float64) for name in _EXTREMES if getattr(message, name)}
         )
+        return batch
 
     def __getattr__(self, name):
         if name == "tick":
@@ -89,18 +93,16 @@ class _ReceivedBatch(SampleBatch):
         self.__dict__[name] = column
         return column
 
-    def __len__(self):
-        return len(self._message.position)
-
     def _ticks(self):
         # A server that left the decimation unset sent every tick.
         step = np.uint64(max(1, self._message.decimation))
-        return np.uint64(self._message.first_tick) + np.arange(len(self), dtype=np.uint64) * step
+        count = len(self._message.position)
+        return np.uint64(self._message.first_tick) + np.arange(count, dtype=np.uint64) * step
 
 
 def from_message(message):
     """SampleBatch of a mwidth.v1.SampleBatch."""
-    return _ReceivedBatch(message)
+    return _ReceivedBatch.of(message)
 
 
 def concatenate(batches):
