@@ -24,7 +24,8 @@ def block(name):
 class ReadmeTest(unittest.TestCase):
     def run_against_server(self, command, **options):
         with tempfile.TemporaryDirectory() as folder, \
-                ServerProcess("--config", "paper", "--sessions", f"{folder}/mwidth-sessions") as server:
+                ServerProcess("--config", "paper", "--simulation-speed", "1",  # in lock step: no host is too busy
+                              "--sessions", f"{folder}/mwidth-sessions") as server:
             environment = dict(os.environ, MWIDTH_SERVER=server.address, PYTHONPATH=str(BUILD / "python"),
                                PATH=f"{BUILD / 'bin'}:{os.environ['PATH']}")
             result = subprocess.run(command, env=environment, cwd=folder, capture_output=True, text=True, timeout=60,
