@@ -47,13 +47,11 @@ class HealthService::Watch final : public StreamSource {
 HealthService::HealthService(std::vector<std::string> services) : services_(std::move(services)) {}
 
 void HealthService::AddStreamsTo(StreamThread& thread) {
-  thread.Add(
-      {.name = "Watch",
-       .request_call = [this](auto& context, auto& request, auto& writer, auto& queue,
-                              void* tag) { RequestWatch(&context, &request, &writer, &queue, &queue, tag); },
-       .open = OpenParsed<HealthCheckRequest>([this](const auto& request, auto wake, auto& /*refusal*/) {
-         return std::make_unique<Watch>(*this, request.service(), std::move(wake));
-       })});
+  thread.Add(MethodOf<HealthCheckRequest>("Watch", *this, &HealthService::RequestWatch,
+                                          [this](const auto& request, auto wake, auto& /*refusal*/) {
+                                            return std::make_unique<Watch>(*this, request.service(),
+                                                                           std::move(wake));
+                                          }));
 }
 
 void HealthService::StopServing() {

@@ -54,8 +54,8 @@ Server::Server(const AxisRegistry& axes, const std::string& address, const std::
       stability_(axes),
       telemetry_(axes),
       health_(ServicesOf(recording.has_value())) {
-  // Debian builds abseil, which gRPC locks with, to look for cycles of locks at each of them: one part in
-  // sixteen of what a stream costs.
+  // Debian builds abseil, which gRPC locks with, to look for cycles of locks at each of them: streams pay for
+  // it with every message.
   absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
   const std::string host = HostOf(address);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();

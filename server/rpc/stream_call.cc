@@ -32,7 +32,6 @@ void StreamCall::OnCall(bool ok) {
     return refusal;
   });
   if (!opened.ok()) {
-    source_.reset();
     verdict_ = opened;
     Advance();
     return;

@@ -45,16 +45,22 @@ struct StreamMethod {
       open;
 };
 
-/// What opens a source from a request that is parsed. Bytes that are no `Request` are refused as gRPC refuses
-/// those of its own methods.
-template <typename Request, typename Open>
-auto OpenParsed(Open open) {
-  return [open = std::move(open)](grpc::ByteBuffer& bytes, std::function<void()> wake,
-                                  grpc::Status& refusal) -> std::unique_ptr<StreamSource> {
-    Request request;
-    refusal = grpc::SerializationTraits<Request>::Deserialize(&bytes, &request);
-    return refusal.ok() ? open(request, std::move(wake), refusal) : nullptr;
-  };
+/// The method of `service`, which outlives it, whose calls `request_call` asks for, as gRPC generated it;
+/// `open` gets the request parsed. Bytes that are no `Request` are refused as gRPC refuses those of its own
+/// methods.
+template <typename Request, typename Service, typename RequestCall, typename Open>
+StreamMethod MethodOf(const char* name, Service& service, RequestCall request_call, Open open) {
+  return {.name = name,
+          .request_call =
+              [&service, request_call](auto& context, auto& request, auto& writer, auto& queue, void* tag) {
+                (service.*request_call)(&context, &request, &writer, &queue, &queue, tag);
+              },
+          .open = [open = std::move(open)](grpc::ByteBuffer& bytes, std::function<void()> wake,
+                                           grpc::Status& refusal) -> std::unique_ptr<StreamSource> {
+            Request request;
+            refusal = grpc::SerializationTraits<Request>::Deserialize(&bytes, &request);
+            return refusal.ok() ? open(request, std::move(wake), refusal) : nullptr;
+          }};
 }
 
 /// A message as bytes.

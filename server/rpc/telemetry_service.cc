@@ -14,23 +14,14 @@ namespace mwidth::rpc {
 
 void TelemetryService::AddStreamsTo(StreamThread& thread) {
   thread.Add(
-      {.name = "StreamSamples",
-       .request_call =
-           [this](auto& context, auto& request, auto& writer, auto& queue, void* tag) {
-             RequestStreamSamples(&context, &request, &writer, &queue, &queue, tag);
-           },
-       .open = OpenParsed<v1::StreamSamplesRequest>([this](const auto& request, auto wake, auto& refusal) {
-         return OpenSamples(axes_, request, std::move(wake), refusal);
-       })});
-  thread.Add(
-      {.name = "StreamEvents",
-       .request_call =
-           [this](auto& context, auto& request, auto& writer, auto& queue, void* tag) {
-             RequestStreamEvents(&context, &request, &writer, &queue, &queue, tag);
-           },
-       .open = OpenParsed<v1::StreamEventsRequest>([this](const auto& request, auto wake, auto& refusal) {
-         return OpenEvents(axes_, request, std::move(wake), refusal);
-       })});
+      MethodOf<v1::StreamSamplesRequest>("StreamSamples", *this, &TelemetryService::RequestStreamSamples,
+                                         [this](const auto& request, auto wake, auto& refusal) {
+                                           return OpenSamples(axes_, request, std::move(wake), refusal);
+                                         }));
+  thread.Add(MethodOf<v1::StreamEventsRequest>("StreamEvents", *this, &TelemetryService::RequestStreamEvents,
+                                               [this](const auto& request, auto wake, auto& refusal) {
+                                                 return OpenEvents(axes_, request, std::move(wake), refusal);
+                                               }));
 }
 
 grpc::Status TelemetryService::SyncClock(grpc::ServerContext*, const v1::SyncClockRequest* request,
