@@ -66,20 +66,6 @@ class _ReceivedBatch(SampleBatch):
     making all takes longer than receiving them.
     """
 
-    @classmethod
-    def of(cls, message):
-        # Not by __init__, which is that of any SampleBatch, as dataclasses.replace needs it.
-        batch = cls.__new__(cls)
-        batch.__dict__.update(
-            _message=message,
-            missed_ticks_before=message.missed_ticks_before,
-            dropped_ticks_before=message.dropped_ticks_before,
-        )
-        batch.__dict__.update(
-            {name: np.fromiter(getattr(message, name), np.float64) for name in _EXTREMES if getattr(message, name)}
-        )
-        return batch
-
     def __getattr__(self, name):
         if name == "tick":
             column = self._ticks()
@@ -102,7 +88,15 @@ class _ReceivedBatch(SampleBatch):
 
 def from_message(message):
     """SampleBatch of a mwidth.v1.SampleBatch."""
-    return _ReceivedBatch.of(message)
+    # Not by __init__, which is that of any SampleBatch, as dataclasses.replace needs it.
+    batch = _ReceivedBatch.__new__(_ReceivedBatch)
+    batch.__dict__.update(
+        {name: np.fromiter(getattr(message, name), np.float64) for name in _EXTREMES if getattr(message, name)},
+        _message=message,
+        missed_ticks_before=message.missed_ticks_before,
+        dropped_ticks_before=message.dropped_ticks_before,
+    )
+    return batch
 
 
 def concatenate(batches):
